@@ -1,0 +1,30 @@
+// Distance: the exact unsigned distance from grid points to the triangles of a mesh. Knows nothing of inside and outside (bake/sign.h).
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include <glm/vec3.hpp>
+
+#include "bake/progress.h"
+#include "formats/mesh.h"
+
+namespace overcast {
+
+/// A regular grid of points origin + voxelSize * (i, j, k), 0 <= i < size.x and so on.
+struct Grid {
+  glm::ivec3 size{0};
+  glm::dvec3 origin{0.0};
+  double voxelSize = 0.0;
+};
+
+/// Samples in the grid.
+std::uint64_t sampleCount(const Grid& grid);
+
+/// |phi| at every grid point, x fastest. Exact closest point on the triangles (degenerate ones count as their segment or point), relative
+/// error a few float ulps of the grid's diagonal. `mesh` has at least one triangle and finite positions. Runs on the calling TBB arena over
+/// fixed tiles: same bytes for any thread count. Stops early with an empty vector when `progress` says so.
+std::vector<float> unsignedDistance(const Mesh& mesh, const Grid& grid, const Progress& progress = {});
+
+}  // namespace overcast

@@ -1,0 +1,33 @@
+// Repair: makes a mesh as good as it safely can be before distances are taken, and says what it found and did (CGAL polygon soups).
+#pragma once
+
+#include <cstdint>
+
+#include "formats/mesh.h"
+
+namespace overcast {
+
+/// What was found in a mesh and what was done about it. Counts of the welded mesh unless said otherwise.
+struct MeshDiagnosis {
+  std::uint64_t verticesMerged = 0;       ///< exact duplicates of a position, merged
+  std::uint64_t degenerateTriangles = 0;  ///< left out of the sign, kept for the distance
+  std::uint64_t duplicateTriangles = 0;   ///< left out
+  std::uint64_t boundaryEdges = 0;        ///< edges whose incident triangles do not cancel (net orientation not zero)
+  std::uint64_t nonManifoldEdges = 0;     ///< edges with more than two triangles
+  std::uint64_t inconsistentEdges = 0;    ///< manifold edges that both triangles run along in the same direction, before reorientation
+  std::uint64_t components = 0;           ///< connected by shared edges
+  std::uint64_t reorientedTriangles = 0;  ///< flipped to agree with their neighbours
+  bool closed = false;                    ///< every edge cancels after repair: the winding number is an integer
+  bool insideOut = false;                 ///< negative volume as given
+};
+
+/// A mesh ready for distance and sign: exactly equal positions welded, no duplicate triangles, orientation consistent within each manifold
+/// component that was inconsistent (consistent ones are left as they are: a cavity keeps its meaning).
+struct RepairedMesh {
+  Mesh mesh;
+  MeshDiagnosis found;
+};
+
+RepairedMesh repair(const Mesh& mesh);
+
+}  // namespace overcast

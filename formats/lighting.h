@@ -1,0 +1,54 @@
+// Lighting: what the glTF scene extension OVERCAST_lighting says (DESIGN 4). Schema: formats/schema/OVERCAST_lighting.schema.json
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <glm/vec3.hpp>
+
+#include "formats/mesh.h"
+
+namespace overcast {
+
+struct Sun {
+  glm::vec3 direction{0.0f, 1.0f, 0.0f};  ///< unit vector towards the sun
+  glm::vec3 colour{0.0f};                 ///< linear radiance times solid angle
+  float angularRadius = 0.00465f;         ///< radians
+};
+
+/// A spherical area light.
+struct AreaLight {
+  glm::vec3 position{0.0f};  ///< world space
+  float radius = 0.1f;       ///< metres
+  glm::vec3 colour{1.0f};    ///< linear radiance
+};
+
+/// Constants of a sky estimator (DESIGN 5.4). Taps are at d_i = 2^(i-1) voxels of the global volume.
+struct Estimator {
+  std::string name = "published";
+  int taps = 5;            ///< 1 to 8
+  float k = 0.05f;         ///< darkening per voxel of missing distance
+  float skyWeight = 0.5f;  ///< alpha in N' = N + alpha U, 0 to 1 (Evans 2006, 9.6)
+  double fitError = -1.0;  ///< RMSE against the reference they were fitted to; negative: not fitted
+};
+
+/// The one distance volume that all objects are composited into.
+struct GlobalVolume {
+  std::optional<Box> bounds;  ///< world space; none: the animated bounds of the scene, padded
+  int resolution = 128;       ///< voxels along the longest side, a multiple of 8 from 32 to 256
+};
+
+inline constexpr int kLightingVersion = 1;
+
+struct Lighting {
+  glm::vec3 skyColour{0.80f, 0.90f, 1.0f};  ///< linear radiance of the sky dome
+  glm::vec3 up{0.0f, 1.0f, 0.0f};           ///< unit vector U
+  std::optional<Sun> sun;
+  std::vector<AreaLight> areaLights;
+  GlobalVolume globalVolume;
+  Estimator estimator;
+  float exposure = 1.0f;  ///< linear factor before the tone curve
+};
+
+}  // namespace overcast

@@ -1,0 +1,42 @@
+// Occluder: what the glTF node extension OVERCAST_occluder says (DESIGN 4). Schema: formats/schema/OVERCAST_occluder.schema.json
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+#include "formats/mesh.h"
+
+namespace overcast {
+
+/// Which of the papers' occluder representations an asset holds (DESIGN 5.1). Stored by name.
+enum class Representation { volume };
+
+/// Measured error of a baked representation against the exact distance to its source mesh, at seeded random points of its box.
+struct MeasuredError {
+  double max = 0.0;              ///< largest |phi - exact|, local units
+  double rms = 0.0;              ///< root mean square of phi - exact, local units
+  std::uint64_t signErrors = 0;  ///< points further than a tenth of a voxel from the surface whose sign is wrong
+  std::uint64_t samples = 0;     ///< number of points
+  std::uint64_t seed = 0;        ///< seed of their positions
+};
+
+inline constexpr int kOccluderVersion = 1;
+
+/// One baked occluder, in the local space of the node's mesh.
+struct Occluder {
+  Representation representation = Representation::volume;
+  std::string uri;                        ///< file beside the glTF
+  std::string contentHash;                ///< of that file (formats/files.h)
+  std::uint64_t bytes = 0;                ///< of that file
+  Box bounds;                             ///< box within which the representation is defined
+  double influenceRadius = 0.0;           ///< distance beyond the bounds up to which it is meant to occlude
+  double lipschitz = 1.7320508075688772;  ///< bound on |grad phi| of what the runtime evaluates; culling uses it
+  std::string signMethod;                 ///< bake/sign.h
+  MeasuredError error;
+  std::string source;        ///< file name (no folder) and mesh it was baked from
+  std::string settingsHash;  ///< hash of source bytes and bake settings
+};
+
+const char* name(Representation representation);
+
+}  // namespace overcast

@@ -1,0 +1,24 @@
+#include "formats/result.h"
+
+#include <cstdio>
+
+namespace overcast {
+
+std::string message(const Error& error) {
+  std::string line = error.file;
+  for (const std::string* part : {&error.place, &error.reason}) {
+    if (part->empty()) continue;
+    if (!line.empty()) line += ": ";
+    line += *part;
+  }
+  for (char& c : line)
+    if (c == '\n' || c == '\r') c = ' ';
+  return line;
+}
+
+void stop(const char* file, int line, const std::string& what) {
+  std::fprintf(stderr, "%s:%d: %s\n", file, line, what.c_str());
+  std::abort();
+}
+
+}  // namespace overcast

@@ -1,0 +1,1 @@
+#include "runtime/vulkan/device.h"
