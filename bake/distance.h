@@ -2,7 +2,7 @@
 #pragma once
 
 #include <cstdint>
-#include <memory>
+#include <span>
 #include <vector>
 
 #include <glm/vec3.hpp>
@@ -26,5 +26,9 @@ std::uint64_t sampleCount(const Grid& grid);
 /// error a few float ulps of the grid's diagonal. `mesh` has at least one triangle and finite positions. Runs on the calling TBB arena over
 /// fixed tiles: same bytes for any thread count. Stops early with an empty vector when `progress` says so.
 std::vector<float> unsignedDistance(const Mesh& mesh, const Grid& grid, const Progress& progress = {});
+
+/// The distance from each point (finite, anywhere) to the triangles of `mesh`, in double: for measuring errors. Relative error about 1e-12
+/// of the larger of distance and mesh diagonal. Runs on the calling TBB arena; same bytes for any thread count.
+std::vector<double> distanceAt(const Mesh& mesh, std::span<const glm::dvec3> points);
 
 }  // namespace overcast

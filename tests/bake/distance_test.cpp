@@ -1,0 +1,188 @@
+// Distance against closed forms, brute force in double, and invariances.
+#include "bake/distance.h"
+
+#include <gtest/gtest.h>
+#include <rapidcheck/gtest.h>
+#include <tbb/task_arena.h>
+
+#include <algorithm>
+#include <cmath>
+#include <random>
+
+#include <glm/geometric.hpp>
+
+#include "tests/reference/brute_distance.h"
+
+namespace overcast {
+namespace {
+
+/// The cuboid with half extents `half`: twelve triangles.
+Mesh cuboid(const glm::dvec3& half) {
+  Mesh mesh;
+  for (int i = 0; i < 8; ++i) mesh.positions.push_back(half * glm::dvec3(i & 1 ? 1 : -1, i & 2 ? 1 : -1, i & 4 ? 1 : -1));
+  mesh.triangles = {{0, 2, 3}, {0, 3, 1}, {4, 5, 7}, {4, 7, 6}, {0, 1, 5}, {0, 5, 4},
+                    {2, 6, 7}, {2, 7, 3}, {0, 4, 6}, {0, 6, 2}, {1, 3, 7}, {1, 7, 5}};
+  return mesh;
+}
+
+double distanceToCuboid(const glm::dvec3& p, const glm::dvec3& half) {
+  const glm::dvec3 q = glm::abs(p) - half;
+  return std::abs(glm::length(glm::max(q, glm::dvec3(0.0))) + std::min(std::max({q.x, q.y, q.z}), 0.0));
+}
+
+/// Random triangles of very different sizes, some of them degenerate (a segment, a point).
+Mesh soup(int triangles, unsigned seed) {
+  std::mt19937 random(seed);
+  std::uniform_real_distribution<double> unit(-1.0, 1.0);
+  const auto point = [&] { return glm::dvec3(unit(random), unit(random), unit(random)); };
+  Mesh mesh;
+  for (int i = 0; i < triangles; ++i) {
+    const glm::dvec3 a = point();
+    const double size = std::exp2(-8.0 * std::abs(unit(random)));
+    const glm::dvec3 ab = size * point();
+    const glm::dvec3 ac = i % 7 == 0 ? 0.5 * ab : i % 11 == 0 ? glm::dvec3(0.0) : size * point();
+    for (const glm::dvec3& corner : {a, a + (i % 77 == 0 ? glm::dvec3(0.0) : ab), a + (i % 77 == 0 ? glm::dvec3(0.0) : ac)}) {
+      mesh.positions.push_back(corner);
+    }
+    const auto first = static_cast<unsigned>(3 * i);
+    mesh.triangles.push_back({first, first + 1, first + 2});
+  }
+  return mesh;
+}
+
+Mesh moved(Mesh mesh, double scale, const glm::dvec3& offset) {
+  for (glm::dvec3& position : mesh.positions) position = position * scale + offset;
+  return mesh;
+}
+
+Grid gridAround(const glm::dvec3& low, const glm::dvec3& high, int longest) {
+  const glm::dvec3 size = high - low;
+  const double voxel = std::max({size.x, size.y, size.z}) / (longest - 1);
+  return {glm::ivec3(glm::floor(size / voxel + 1e-9)) + 1, low, voxel};
+}
+
+glm::dvec3 pointOf(const Grid& grid, std::size_t index) {
+  const auto nx = static_cast<std::size_t>(grid.size.x);
+  const auto ny = static_cast<std::size_t>(grid.size.y);
+  return grid.origin + grid.voxelSize * glm::dvec3(index % nx, index / nx % ny, index / (nx * ny));
+}
+
+double gridDiagonal(const Grid& grid) {
+  return grid.voxelSize * glm::length(glm::dvec3(grid.size - 1));
+}
+
+/// Largest |unsignedDistance - truth| over the grid, in units of the grid's diagonal.
+template <class Truth>
+double worstError(const Mesh& mesh, const Grid& grid, const Truth& truth) {
+  const std::vector<float> distance = unsignedDistance(mesh, grid);
+  EXPECT_EQ(distance.size(), sampleCount(grid));
+  double worst = 0.0;
+  for (std::size_t i = 0; i < distance.size(); ++i) {
+    worst = std::max(worst, std::abs(static_cast<double>(distance[i]) - truth(pointOf(grid, i))));
+  }
+  return worst / gridDiagonal(grid);
+}
+
+// A float of the size of the diagonal is rounded to 6e-8 of it; the header allows a few of these.
+constexpr double kFloatUlps = 2e-7;
+
+TEST(Distance, CuboidMatchesItsClosedForm) {
+  const glm::dvec3 half(1.0, 0.5, 0.25);
+  const Grid grid = gridAround(glm::dvec3(-1.7), glm::dvec3(1.6, 1.5, 1.4), 37);
+  EXPECT_LT(worstError(cuboid(half), grid, [&](const glm::dvec3& p) { return distanceToCuboid(p, half); }), kFloatUlps);
+}
+
+TEST(Distance, SinglePointSegmentAndTriangleMatchTheirClosedForms) {
+  const Grid grid = gridAround(glm::dvec3(-1.0), glm::dvec3(1.0), 17);
+  Mesh mesh;
+  mesh.positions = {{0.25, 0.5, -0.125}, {0.75, 0.5, -0.125}, {0.5, 0.5, -0.125}};
+  mesh.triangles = {{0, 0, 0}};
+  EXPECT_LT(worstError(mesh, grid, [&](const glm::dvec3& p) { return glm::distance(p, mesh.positions[0]); }), kFloatUlps);
+  mesh.triangles = {{0, 1, 2}};
+  const auto segment = [](const glm::dvec3& p) { return glm::distance(p, {std::clamp(p.x, 0.25, 0.75), 0.5, -0.125}); };
+  EXPECT_LT(worstError(mesh, grid, segment), kFloatUlps);
+  mesh.positions = {{-50.0, 0.1, -50.0}, {50.0, 0.1, -50.0}, {0.0, 0.1, 90.0}};
+  EXPECT_LT(worstError(mesh, grid, [](const glm::dvec3& p) { return std::abs(p.y - 0.1); }), kFloatUlps);
+}
+
+TEST(Distance, SoupMatchesBruteForce) {
+  const Mesh mesh = soup(400, 7);
+  const Grid grid = gridAround(glm::dvec3(-1.8), glm::dvec3(2.2, 1.9, 1.7), 29);
+  EXPECT_LT(worstError(mesh, grid, [&](const glm::dvec3& p) { return reference::distanceToMesh(p, mesh); }), kFloatUlps);
+}
+
+TEST(Distance, GridInsideAndFarBesideTheMeshMatchesBruteForce) {
+  const Mesh mesh = soup(300, 11);
+  for (const glm::dvec3& centre : {glm::dvec3(0.1, -0.2, 0.3), glm::dvec3(30.0, 5.0, -9.0), glm::dvec3(0.0, -400.0, 0.0)}) {
+    const Grid grid = gridAround(centre - 0.1, centre + glm::dvec3(0.1, 0.15, 0.05), 13);
+    const double allowed = kFloatUlps * (1.0 + glm::length(centre) / gridDiagonal(grid));
+    EXPECT_LT(worstError(mesh, grid, [&](const glm::dvec3& p) { return reference::distanceToMesh(p, mesh); }), allowed);
+  }
+}
+
+TEST(Distance, HoldsAtAnyScaleAndFarFromTheOrigin) {
+  for (const double scale : {1e-4, 1.0, 1e4}) {
+    for (const double diagonals : {0.0, 1e5}) {
+      const glm::dvec3 offset = scale * diagonals * glm::dvec3(2.0, -1.5, 1.0);
+      const Mesh mesh = moved(soup(200, 3), scale, offset);
+      const Grid grid = gridAround(offset - 1.5 * scale, offset + 1.5 * scale, 15);
+      EXPECT_LT(worstError(mesh, grid, [&](const glm::dvec3& p) { return reference::distanceToMesh(p, mesh); }), kFloatUlps)
+          << "scale " << scale << ", offset by " << diagonals << " diagonals";
+    }
+  }
+}
+
+TEST(Distance, AnyGridShapeIsFilled) {
+  const Mesh mesh = soup(50, 5);
+  for (const glm::ivec3& size : {glm::ivec3(1), glm::ivec3(1, 9, 2), glm::ivec3(33, 1, 1), glm::ivec3(5, 8, 16), glm::ivec3(2, 3, 41)}) {
+    const Grid grid{size, glm::dvec3(-0.9), 0.11};
+    const std::vector<float> distance = unsignedDistance(mesh, grid);
+    ASSERT_EQ(distance.size(), static_cast<std::size_t>(size.x * size.y * size.z));
+    for (std::size_t i = 0; i < distance.size(); ++i) {
+      EXPECT_NEAR(distance[i], reference::distanceToMesh(pointOf(grid, i), mesh), 1e-6) << "sample " << i;
+    }
+  }
+}
+
+TEST(Distance, SameBytesForAnyThreadCount) {
+  const Mesh mesh = soup(500, 13);
+  const Grid grid = gridAround(glm::dvec3(-1.5), glm::dvec3(1.5), 31);
+  std::vector<float> first;
+  for (const int threads : {1, 2, 4}) {
+    tbb::task_arena arena(threads);
+    const std::vector<float> distance = arena.execute([&] { return unsignedDistance(mesh, grid); });
+    if (first.empty()) first = distance;
+    EXPECT_EQ(first, distance) << threads << " threads";
+  }
+}
+
+TEST(Distance, StopsWhenAsked) {
+  const Mesh mesh = cuboid(glm::dvec3(1.0));
+  const Grid grid = gridAround(glm::dvec3(-2.0), glm::dvec3(2.0), 32);
+  EXPECT_TRUE(unsignedDistance(mesh, grid, [](double) { return false; }).empty());
+  double last = 0.0;
+  const auto listen = [&](double share) {
+    last = std::max(last, share);
+    return true;
+  };
+  tbb::task_arena arena(1);
+  EXPECT_EQ(arena.execute([&] { return unsignedDistance(mesh, grid, listen); }).size(), sampleCount(grid));
+  EXPECT_DOUBLE_EQ(last, 1.0);
+}
+
+RC_GTEST_PROP(Distance, AtPointsMatchesBruteForceInDouble, (unsigned seed)) {
+  const Mesh mesh = soup(60, seed);
+  std::mt19937 random(seed + 1);
+  std::normal_distribution<double> normal(0.0, 1.0);
+  std::vector<glm::dvec3> points;
+  for (int i = 0; i < 40; ++i) points.push_back(std::pow(10.0, i % 4 - 1) * glm::dvec3(normal(random), normal(random), normal(random)));
+  points.push_back(mesh.positions[0]);
+  const std::vector<double> distance = distanceAt(mesh, points);
+  RC_ASSERT(distance.size() == points.size());
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    RC_ASSERT(std::abs(distance[i] - reference::distanceToMesh(points[i], mesh)) <= 1e-11 * (1.0 + distance[i]));
+  }
+}
+
+}  // namespace
+}  // namespace overcast
