@@ -1,6 +1,7 @@
 // `volume`: a signed-distance field on a regular grid over a padded box, stored as OpenVDB (DESIGN 4, 5.1).
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <filesystem>
 #include <string>
@@ -27,27 +28,45 @@ struct Volume {
 inline constexpr int kVolumeVersion = 1;     ///< version of the .vdb layout, stored as metadata `overcast_version`
 inline constexpr int kMaxVolumeSide = 1024;  ///< larger grids are refused before anything is allocated
 
+/// Place of sample (i, j, k) in `distance`.
+std::size_t sampleIndex(const Volume& volume, int i, int j, int k);
+
+/// Every side within 2 .. kMaxVolumeSide, as many distances as these say, voxel size positive and finite, origin and distances finite.
+bool isWhole(const Volume& volume);
+
 /// The box spanned by the outermost samples.
 Box bounds(const Volume& volume);
 
-/// Trilinear interpolation at `point` (local space). Outside the box of samples: with q the closest point of the box,
-/// sqrt(|p - q|^2 + max(phi(q), 0)^2), the lower bound of DESIGN 5.1 (continuous at the box where phi(q) >= 0).
+/// Trilinear interpolation at `point` (local space, finite). Outside the box of samples, with q the closest point of the box:
+/// sqrt(|p - q|^2 + phi(q)^2) where phi(q) >= 0, the lower bound of DESIGN 5.1; |p - q| + phi(q) where phi(q) < 0 (the inside of an open
+/// mesh may reach the border). Continuous everywhere.
 double sampleVolume(const Volume& volume, const glm::dvec3& point);
 
-/// An upper bound of |grad| over the trilinear interpolant: for each cell the largest edge difference along every axis, combined
-/// in the Euclidean norm. At most sqrt(3) for exact distances; what the composite's culling margin uses (DESIGN 5.2).
+/// A Lipschitz constant of sampleVolume over all of space, outside the box too; the composite's culling margin uses it (DESIGN 5.2).
+/// Within a cell the gradient's components are bounded by the cell's largest edge difference along each axis; L is the largest Euclidean
+/// norm of these three over all cells, at most sqrt(3) for exact distances. Outside the box the gradient joins 1 along p - q with the one
+/// at q: max(1, L) suffices where phi(q) >= 0, sqrt(1 + L^2) is needed when a sample of the border is negative. Never below 1.
 double lipschitzBound(const Volume& volume);
 
 /// Precision of the values on disk.
 enum class VolumeBits { automatic, half, single };
 
-/// Writes one dense float grid named `distance`, class level set, metadata overcast_version and overcast_sign_method, UUID made from the
-/// content: the same volume gives the same bytes. `automatic` takes half floats unless a distance would overflow them or the voxel size is
-/// so small that a thousandth of a voxel would be subnormal; then single floats. Returns the bytes on disk.
+/// What `automatic` means for this volume (half or single; any other value comes back as it is): half floats unless a distance would
+/// overflow them, or the voxel size is so small that their smallest step (2^-24) exceeds a thousandth of a voxel.
+VolumeBits chooseBits(const Volume& volume, VolumeBits bits = VolumeBits::automatic);
+
+/// The volume as readVolume gives it back after writeVolume: distances rounded to the chosen precision, all else untouched. Errors of a
+/// baked volume are measured on this. Distances that half floats cannot hold become infinite.
+Volume asStored(Volume volume, VolumeBits bits = VolumeBits::automatic);
+
+/// Writes one dense float grid named `distance`, class level set, with metadata overcast_version, overcast_sign_method and overcast_size,
+/// UUID made from the content: the same volume gives the same bytes, for any thread count. Atomic. Returns the bytes on disk; an Error when
+/// the disk fails, or when `bits` is half and a distance overflows it. `volume` is whole (isWhole).
 Result<std::uint64_t> writeVolume(const std::filesystem::path& path, const Volume& volume, VolumeBits bits = VolumeBits::automatic);
 
-/// Reads what writeVolume wrote (and any .vdb with a dense float or half grid `distance`). Parsed in a sandbox; size, transform and
-/// finiteness are checked before anything large is allocated.
+/// Reads what writeVolume wrote, bit for bit, and the float grid `distance` of any other .vdb over the box of its active voxels (inactive
+/// ones within give the tree's value). Parsed in a sandbox. An Error when there is no such grid, its transform is not a positive uniform
+/// scale and a translation, a side is outside 2 .. kMaxVolumeSide, a value is not finite, or its overcast_version is a later one.
 Result<Volume> readVolume(const std::filesystem::path& path, const SandboxLimits& limits = {});
 
 }  // namespace overcast
