@@ -49,8 +49,9 @@ Box bounds(const Mesh& mesh);  ///< of the vertices that triangles use; empty wh
 
 /// What the reader saw and mended, so that nothing is silent.
 struct MeshReadReport {
-  std::uint64_t polygons = 0;           ///< faces in the file
+  std::uint64_t polygons = 0;           ///< faces in the file (PLY strips: their triangles)
   std::uint64_t triangulated = 0;       ///< of these, with more than three corners
+  std::uint64_t shortFaces = 0;         ///< left out: fewer than three corners
   std::uint64_t badIndexFaces = 0;      ///< left out: an index outside the vertices
   std::uint64_t nonFiniteVertices = 0;  ///< faces that use one are left out
   std::uint64_t nonFiniteFaces = 0;

@@ -1,0 +1,39 @@
+// What the readers of mesh formats hand to readMesh. Internal to formats; everything here runs inside the sandbox.
+#pragma once
+
+#include <cstdint>
+#include <limits>
+#include <span>
+#include <string_view>
+#include <vector>
+
+#include <glm/vec3.hpp>
+
+#include "formats/result.h"
+
+namespace overcast {
+
+/// A corner whose index the file gave as negative or beyond 32 bits.
+inline constexpr std::uint32_t kBadIndex = std::numeric_limits<std::uint32_t>::max();
+
+/// Polygons as the file has them: nothing is checked against the number of vertices, positions may be infinite.
+struct RawMesh {
+  std::vector<glm::dvec3> positions;
+  std::vector<std::uint32_t> corners;   ///< vertex indices of all faces, one after another
+  std::vector<std::uint64_t> faceEnds;  ///< face f has the corners [faceEnds[f - 1], faceEnds[f])
+  std::uint64_t shortFaces = 0;         ///< faces with fewer than three corners, already left out
+};
+
+/// The corner that refers to vertex `index`; kBadIndex when that is negative or beyond 32 bits.
+std::uint32_t toCorner(std::int64_t index);
+
+/// Ends the face whose corners were appended since the last call; one with fewer than three is taken back and counted.
+void endFace(RawMesh& mesh);
+
+/// One reader for each format. Error::place says where; Error::file is filled in by the caller. Files cut short are an Error.
+Result<RawMesh> parseObj(std::string_view text);
+Result<RawMesh> parseOff(std::string_view text);
+Result<RawMesh> parsePly(std::string_view text);
+Result<RawMesh> parseStl(std::string_view text);
+
+}  // namespace overcast
