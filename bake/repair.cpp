@@ -1,1 +1,220 @@
 #include "bake/repair.h"
+
+#include <algorithm>
+#include <array>
+#include <numeric>
+#include <tuple>
+
+#include <CGAL/Polygon_mesh_processing/orient_polygon_soup.h>
+#include <CGAL/Polygon_mesh_processing/repair_polygon_soup.h>
+#include <CGAL/Simple_cartesian.h>
+
+#include <glm/geometric.hpp>
+
+#include "bake/edges.h"
+
+namespace overcast {
+namespace {
+
+namespace pmp = CGAL::Polygon_mesh_processing;
+using Kernel = CGAL::Simple_cartesian<double>;
+using Polygon = std::array<std::size_t, 3>;
+
+/// Positions that are exactly equal become one vertex; triangles keep their order.
+Mesh weld(const Mesh& mesh, std::uint64_t& merged) {
+  std::vector<Kernel::Point_3> points;
+  points.reserve(mesh.positions.size());
+  for (const glm::dvec3& p : mesh.positions) points.emplace_back(p.x, p.y, p.z);
+  std::vector<Polygon> polygons;
+  polygons.reserve(mesh.triangles.size());
+  for (const glm::uvec3& t : mesh.triangles) polygons.push_back({t.x, t.y, t.z});
+  merged = pmp::merge_duplicate_points_in_polygon_soup(points, polygons);
+
+  Mesh welded;
+  welded.name = mesh.name;
+  welded.positions.reserve(points.size());
+  for (const Kernel::Point_3& p : points) welded.positions.emplace_back(p.x(), p.y(), p.z());
+  welded.triangles.reserve(polygons.size());
+  for (const Polygon& p : polygons) welded.triangles.emplace_back(p[0], p[1], p[2]);
+  return welded;
+}
+
+bool isCollapsed(const glm::uvec3& t) {
+  return t.x == t.y || t.y == t.z || t.z == t.x;
+}
+
+glm::dvec3 areaVector(const Mesh& mesh, const glm::uvec3& t) {
+  const glm::dvec3& a = mesh.positions[t.x];
+  return 0.5 * glm::cross(mesh.positions[t.y] - a, mesh.positions[t.z] - a);
+}
+
+/// Six times the volume under a triangle as seen from `apex`.
+double volumeUnder(const Mesh& mesh, const glm::uvec3& t, const glm::dvec3& apex) {
+  return glm::dot(mesh.positions[t.x] - apex, glm::cross(mesh.positions[t.y] - apex, mesh.positions[t.z] - apex));
+}
+
+/// Drops repeated triangles and returns, for those that stay, whether one of the opposite orientation stays as well: such a pair
+/// encloses nothing, so it says nothing about orientation.
+std::vector<char> dropDuplicates(Mesh& mesh, std::uint64_t& dropped) {
+  struct Key {
+    std::array<std::uint32_t, 3> corners;
+    bool even;
+    std::uint32_t triangle;
+  };
+  std::vector<Key> keys;
+  for (std::uint32_t i = 0; i < mesh.triangles.size(); ++i) {
+    const glm::uvec3& t = mesh.triangles[i];
+    std::array<std::uint32_t, 3> corners{t.x, t.y, t.z};
+    std::sort(corners.begin(), corners.end());
+    const bool even =
+        (t.x == corners[0] && t.y == corners[1]) || (t.y == corners[0] && t.z == corners[1]) || (t.z == corners[0] && t.x == corners[1]);
+    keys.push_back({corners, even || isCollapsed(t), i});
+  }
+  std::sort(keys.begin(), keys.end(),
+            [](const Key& a, const Key& b) { return std::tie(a.corners, a.even, a.triangle) < std::tie(b.corners, b.even, b.triangle); });
+  std::vector<char> repeated(mesh.triangles.size(), 0), paired(mesh.triangles.size(), 0);
+  for (std::size_t i = 1; i < keys.size(); ++i) {
+    if (keys[i].corners != keys[i - 1].corners) continue;
+    if (keys[i].even == keys[i - 1].even) {
+      repeated[keys[i].triangle] = 1;
+      paired[keys[i].triangle] = paired[keys[i - 1].triangle];
+    } else {
+      paired[keys[i].triangle] = 1;
+      for (std::size_t j = i; j-- > 0 && keys[j].corners == keys[i].corners;) paired[keys[j].triangle] = 1;
+    }
+  }
+  std::size_t kept = 0;
+  for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
+    if (repeated[i]) continue;
+    paired[kept] = paired[i];
+    mesh.triangles[kept++] = mesh.triangles[i];
+  }
+  dropped = mesh.triangles.size() - kept;
+  mesh.triangles.resize(kept);
+  paired.resize(kept);
+  return paired;
+}
+
+/// Disjoint sets of triangles.
+class Sets {
+ public:
+  explicit Sets(std::size_t size) : parent_(size) { std::iota(parent_.begin(), parent_.end(), 0u); }
+  std::uint32_t find(std::uint32_t i) {
+    while (parent_[i] != i) i = parent_[i] = parent_[parent_[i]];
+    return i;
+  }
+  void join(std::uint32_t a, std::uint32_t b) {
+    a = find(a);
+    b = find(b);
+    parent_[std::max(a, b)] = std::min(a, b);
+  }
+
+ private:
+  std::vector<std::uint32_t> parent_;
+};
+
+struct FlipRecorder : pmp::Default_orientation_visitor {
+  std::vector<char>* flipped = nullptr;
+  void polygon_orientation_reversed(std::size_t polygon) { (*flipped)[polygon] ^= 1; }
+};
+
+/// For each triangle whether CGAL would flip it to agree with its neighbours across manifold edges.
+std::vector<char> flipsToAgree(const Mesh& mesh, const std::vector<glm::uvec3>& triangles) {
+  // Orientation is combinatorial; the copies that CGAL makes of points at non-manifold places are thrown away with the soup.
+  std::vector<Kernel::Point_3> points(mesh.positions.size());
+  std::vector<Polygon> polygons;
+  polygons.reserve(triangles.size());
+  for (const glm::uvec3& t : triangles) polygons.push_back({t.x, t.y, t.z});
+  std::vector<char> flipped(triangles.size(), 0);
+  FlipRecorder recorder;
+  recorder.flipped = &flipped;
+  pmp::orient_polygon_soup(points, polygons, CGAL::parameters::visitor(recorder));
+  return flipped;
+}
+
+/// Triangles connected across manifold edges.
+struct Patch {
+  bool inconsistent = false;
+  bool open = false;         ///< has an edge with other than two triangles
+  double volume = 0.0;       ///< six times, with the flips
+  double keptArea = 0.0;     ///< of triangles that the flips leave alone
+  double flippedArea = 0.0;  ///< of the others
+};
+
+/// Orients `active` triangles (indices into mesh.triangles) within each patch that is inconsistent.
+void orientPatches(Mesh& mesh, const std::vector<std::uint32_t>& active, MeshDiagnosis& found) {
+  std::vector<glm::uvec3> triangles;
+  for (const std::uint32_t i : active) triangles.push_back(mesh.triangles[i]);
+  const std::vector<EdgeUse> uses = edgeUses(triangles);
+  Sets sets(triangles.size());
+  forEachEdge(uses, [&](auto first, auto last) {
+    found.nonManifoldEdges += last - first > 2;
+    if (last - first == 2) sets.join(first->triangle, (last - 1)->triangle);
+  });
+  std::vector<Patch> patches(triangles.size());  // by the set's smallest triangle
+  forEachEdge(uses, [&](auto first, auto last) {
+    for (auto use = first; use != last; ++use) patches[sets.find(use->triangle)].open |= last - first != 2;
+    if (last - first != 2 || first->forward != (last - 1)->forward) return;
+    ++found.inconsistentEdges;
+    patches[sets.find(first->triangle)].inconsistent = true;
+  });
+  if (found.inconsistentEdges == 0) return;
+
+  const std::vector<char> flips = flipsToAgree(mesh, triangles);
+  for (std::uint32_t i = 0; i < triangles.size(); ++i) {
+    Patch& patch = patches[sets.find(i)];
+    const glm::dvec3& apex = mesh.positions[triangles[sets.find(i)].x];
+    patch.volume += (flips[i] ? -1.0 : 1.0) * volumeUnder(mesh, triangles[i], apex);
+    (flips[i] ? patch.flippedArea : patch.keptArea) += glm::length(areaVector(mesh, triangles[i]));
+  }
+  for (std::uint32_t i = 0; i < triangles.size(); ++i) {
+    const Patch& patch = patches[sets.find(i)];
+    // Closed: outward. Open: as most of its area was.
+    const bool reverse = patch.open ? patch.flippedArea > patch.keptArea : patch.volume < 0.0;
+    if (!patch.inconsistent || (flips[i] != 0) == reverse) continue;
+    std::swap(mesh.triangles[active[i]].y, mesh.triangles[active[i]].z);
+    ++found.reorientedTriangles;
+  }
+}
+
+std::uint64_t countComponents(const std::vector<glm::uvec3>& triangles) {
+  Sets sets(triangles.size());
+  forEachEdge(edgeUses(triangles), [&](auto first, auto last) {
+    for (auto use = first + 1; use != last; ++use) sets.join(first->triangle, use->triangle);
+  });
+  std::uint64_t count = 0;
+  for (std::uint32_t i = 0; i < triangles.size(); ++i) count += !isCollapsed(triangles[i]) && sets.find(i) == i;
+  return count;
+}
+
+}  // namespace
+
+RepairedMesh repair(const Mesh& mesh) {
+  RepairedMesh repaired;
+  MeshDiagnosis& found = repaired.found;
+  repaired.mesh = weld(mesh, found.verticesMerged);
+  const std::vector<char> paired = dropDuplicates(repaired.mesh, found.duplicateTriangles);
+  const std::vector<glm::uvec3>& triangles = repaired.mesh.triangles;
+
+  double volume = 0.0;
+  std::vector<std::uint32_t> active;
+  for (std::uint32_t i = 0; i < triangles.size(); ++i) {
+    found.degenerateTriangles += areaVector(repaired.mesh, triangles[i]) == glm::dvec3(0.0);
+    volume += volumeUnder(repaired.mesh, triangles[i], repaired.mesh.positions[triangles[0].x]);
+    if (!isCollapsed(triangles[i]) && !paired[i]) active.push_back(i);
+  }
+  found.components = countComponents(triangles);
+  orientPatches(repaired.mesh, active, found);
+
+  forEachEdge(edgeUses(triangles), [&](auto first, auto last) {
+    std::ptrdiff_t net = 0;
+    for (auto use = first; use != last; ++use) net += use->forward ? 1 : -1;
+    found.boundaryEdges += net != 0;
+  });
+  found.closed = found.boundaryEdges == 0;
+  found.insideOut = found.closed && volume < 0.0;
+  repaired.mesh.parts = {MeshPart{0, static_cast<std::uint32_t>(triangles.size()), -1}};
+  return repaired;
+}
+
+}  // namespace overcast

@@ -10,8 +10,8 @@ namespace overcast {
 /// What was found in a mesh and what was done about it. Counts of the welded mesh unless said otherwise.
 struct MeshDiagnosis {
   std::uint64_t verticesMerged = 0;       ///< exact duplicates of a position, merged
-  std::uint64_t degenerateTriangles = 0;  ///< left out of the sign, kept for the distance
-  std::uint64_t duplicateTriangles = 0;   ///< left out
+  std::uint64_t degenerateTriangles = 0;  ///< without area: nothing to the sign, kept for the distance
+  std::uint64_t duplicateTriangles = 0;   ///< same vertices in the same orientation, left out
   std::uint64_t boundaryEdges = 0;        ///< edges whose incident triangles do not cancel (net orientation not zero)
   std::uint64_t nonManifoldEdges = 0;     ///< edges with more than two triangles
   std::uint64_t inconsistentEdges = 0;    ///< manifold edges that both triangles run along in the same direction, before reorientation
@@ -21,8 +21,10 @@ struct MeshDiagnosis {
   bool insideOut = false;                 ///< negative volume as given
 };
 
-/// A mesh ready for distance and sign: exactly equal positions welded, no duplicate triangles, orientation consistent within each manifold
-/// component that was inconsistent (consistent ones are left as they are: a cavity keeps its meaning).
+/// A mesh ready for distance and sign: exactly equal positions welded, no triangle twice in the same orientation (opposite pairs stay:
+/// they cancel in the winding number, as the wall between two glued solids should), orientation consistent within each manifold patch that
+/// was inconsistent: outward where the patch is closed, else the side that most of its area faced. Consistent patches are left as they are:
+/// a cavity keeps its meaning. Vertices and triangles keep their order; normals are dropped and parts are one run.
 struct RepairedMesh {
   Mesh mesh;
   MeshDiagnosis found;

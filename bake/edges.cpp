@@ -1,0 +1,36 @@
+#include "bake/edges.h"
+
+#include <algorithm>
+#include <cstdlib>
+#include <tuple>
+
+namespace overcast {
+
+std::vector<EdgeUse> edgeUses(const std::vector<glm::uvec3>& triangles) {
+  std::vector<EdgeUse> uses;
+  uses.reserve(triangles.size() * 3);
+  for (std::uint32_t t = 0; t < triangles.size(); ++t) {
+    for (int corner = 0; corner < 3; ++corner) {
+      const std::uint32_t from = triangles[t][corner];
+      const std::uint32_t to = triangles[t][(corner + 1) % 3];
+      if (from != to) uses.push_back({std::min(from, to), std::max(from, to), t, from < to});
+    }
+  }
+  std::sort(uses.begin(), uses.end(), [](const EdgeUse& a, const EdgeUse& b) {
+    return std::tie(a.low, a.high, a.triangle, a.forward) < std::tie(b.low, b.high, b.triangle, b.forward);
+  });
+  return uses;
+}
+
+std::vector<DirectedEdge> netBoundary(const std::vector<glm::uvec3>& triangles) {
+  std::vector<DirectedEdge> boundary;
+  forEachEdge(edgeUses(triangles), [&](auto first, auto last) {
+    int net = 0;
+    for (auto use = first; use != last; ++use) net += use->forward ? 1 : -1;
+    const DirectedEdge edge = net > 0 ? DirectedEdge{first->low, first->high} : DirectedEdge{first->high, first->low};
+    boundary.insert(boundary.end(), static_cast<std::size_t>(std::abs(net)), edge);
+  });
+  return boundary;
+}
+
+}  // namespace overcast

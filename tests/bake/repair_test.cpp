@@ -1,0 +1,182 @@
+#include "bake/repair.h"
+
+#include <chrono>
+
+#include <gtest/gtest.h>
+
+#include "tests/bake/test_meshes.h"
+
+namespace overcast {
+namespace {
+
+using namespace test;
+
+double volumeOf(const Mesh& mesh) {
+  double sum = 0.0;
+  for (const glm::uvec3& t : mesh.triangles) sum += glm::dot(mesh.positions[t.x], glm::cross(mesh.positions[t.y], mesh.positions[t.z]));
+  return sum / 6.0;
+}
+
+/// Three vertices of its own for every triangle, as an STL has it.
+Mesh exploded(const Mesh& mesh) {
+  Mesh soup;
+  for (const glm::uvec3& t : mesh.triangles) {
+    const auto first = static_cast<std::uint32_t>(soup.positions.size());
+    for (int corner = 0; corner < 3; ++corner) soup.positions.push_back(mesh.positions[t[corner]]);
+    soup.triangles.push_back(glm::uvec3(0, 1, 2) + first);
+  }
+  return soup;
+}
+
+TEST(Repair, LeavesACleanMeshAlone) {
+  const Mesh mesh = torusMesh(1.0, 0.4, 20, 10);
+  const RepairedMesh repaired = repair(mesh);
+  EXPECT_EQ(repaired.mesh.positions, mesh.positions);
+  EXPECT_EQ(repaired.mesh.triangles, mesh.triangles);
+  EXPECT_TRUE(repaired.found.closed);
+  EXPECT_FALSE(repaired.found.insideOut);
+  EXPECT_EQ(repaired.found.components, 1u);
+  EXPECT_EQ(repaired.found.verticesMerged + repaired.found.degenerateTriangles + repaired.found.duplicateTriangles +
+                repaired.found.boundaryEdges + repaired.found.nonManifoldEdges + repaired.found.inconsistentEdges +
+                repaired.found.reorientedTriangles,
+            0u);
+}
+
+TEST(Repair, WeldsExactlyEqualPositionsOnly) {
+  const Mesh sphere = sphereMesh(glm::dvec3(0.0), 1.0, 8, 12);
+  const RepairedMesh repaired = repair(exploded(sphere));
+  EXPECT_EQ(repaired.mesh.positions.size(), sphere.positions.size());
+  EXPECT_EQ(repaired.found.verticesMerged, sphere.triangles.size() * 3 - sphere.positions.size());
+  EXPECT_TRUE(repaired.found.closed);
+
+  Mesh apart = exploded(boxMesh(glm::dvec3(0.0), glm::dvec3(1.0)));
+  apart.positions[0].x = std::nextafter(apart.positions[0].x, 1.0);
+  EXPECT_FALSE(repair(apart).found.closed);
+}
+
+TEST(Repair, OrientsAShuffledClosedMeshOutward) {
+  std::mt19937 random(3);
+  Mesh mesh = torusMesh(1.0, 0.4, 20, 10);
+  const double volume = volumeOf(mesh);
+  for (glm::uvec3& t : mesh.triangles)
+    if (random() % 2) std::swap(t.x, t.y);
+  const RepairedMesh repaired = repair(mesh);
+  EXPECT_TRUE(repaired.found.closed);
+  EXPECT_GT(repaired.found.inconsistentEdges, 0u);
+  EXPECT_GT(repaired.found.reorientedTriangles, 0u);
+  EXPECT_NEAR(volumeOf(repaired.mesh), volume, 1e-12);
+}
+
+TEST(Repair, KeepsConsistentComponentsAsTheyAre) {
+  Mesh mesh = sphereMesh(glm::dvec3(0.0), 1.0, 10, 12);
+  append(mesh, reversed(sphereMesh(glm::dvec3(0.0), 0.5, 10, 12)));  // a cavity
+  const std::vector<glm::uvec3> given = mesh.triangles;
+  Mesh mixed = boxMesh(glm::dvec3(2.0), glm::dvec3(3.0));
+  std::swap(mixed.triangles[4].x, mixed.triangles[4].y);
+  append(mesh, mixed);
+  const RepairedMesh repaired = repair(mesh);
+  EXPECT_TRUE(std::equal(given.begin(), given.end(), repaired.mesh.triangles.begin()));
+  EXPECT_EQ(repaired.found.reorientedTriangles, 1u);
+  EXPECT_EQ(repaired.found.inconsistentEdges, 3u);
+  EXPECT_EQ(repaired.found.components, 3u);
+  EXPECT_TRUE(repaired.found.closed);
+
+  const RepairedMesh inverted = repair(reversed(boxMesh(glm::dvec3(2.0), glm::dvec3(3.0))));
+  EXPECT_TRUE(inverted.found.insideOut);
+  EXPECT_EQ(inverted.found.reorientedTriangles, 0u);
+}
+
+TEST(Repair, AnOpenComponentKeepsTheSideOfMostOfItsArea) {
+  Mesh mesh = sphereMesh(glm::dvec3(0.0), 1.0, 16, 16);
+  mesh.triangles.erase(mesh.triangles.begin(), mesh.triangles.begin() + 48);
+  const std::vector<glm::uvec3> given = mesh.triangles;
+  for (std::size_t i = 0; i < mesh.triangles.size(); i += 3) std::swap(mesh.triangles[i].x, mesh.triangles[i].y);
+  const RepairedMesh repaired = repair(mesh);
+  EXPECT_FALSE(repaired.found.closed);
+  EXPECT_EQ(repaired.found.boundaryEdges, 16u);
+  EXPECT_EQ(repaired.found.reorientedTriangles, (given.size() + 2) / 3);
+}
+
+TEST(Repair, CountsDegenerateDuplicateAndNonManifold) {
+  Mesh mesh = boxMesh(glm::dvec3(0.0), glm::dvec3(1.0));
+  mesh.triangles.push_back({mesh.triangles[3].y, mesh.triangles[3].z, mesh.triangles[3].x});  // the same again
+  mesh.triangles.emplace_back(0, 0, 1);
+  mesh.positions.emplace_back(0.5, 0.0, 0.0);
+  mesh.triangles.emplace_back(0, 8, 1);  // collinear
+  const RepairedMesh repaired = repair(mesh);
+  EXPECT_EQ(repaired.mesh.triangles.size(), 14u);
+  EXPECT_EQ(repaired.found.duplicateTriangles, 1u);
+  EXPECT_EQ(repaired.found.degenerateTriangles, 2u);
+  EXPECT_EQ(repaired.found.nonManifoldEdges, 1u);
+  EXPECT_EQ(repaired.found.boundaryEdges, 3u);
+}
+
+// Two tetrahedra glued along a face that both have: nothing is open, and the wall between them says nothing about orientation.
+TEST(Repair, OppositePairsCancel) {
+  Mesh mesh;
+  mesh.positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {0, 0, -1}};
+  mesh.triangles = {{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {2, 0, 3}, {0, 1, 2}, {1, 0, 4}, {2, 1, 4}, {0, 2, 4}};
+  const RepairedMesh repaired = repair(mesh);
+  EXPECT_TRUE(repaired.found.closed);
+  EXPECT_EQ(repaired.found.duplicateTriangles, 0u);
+  EXPECT_EQ(repaired.found.inconsistentEdges, 0u);
+  EXPECT_EQ(repaired.found.reorientedTriangles, 0u);
+  EXPECT_NEAR(volumeOf(repaired.mesh), 1.0 / 3.0, 1e-15);
+}
+
+TEST(Repair, AMoebiusStripStaysOpen) {
+  Mesh mesh;
+  constexpr std::uint32_t kCount = 20;
+  for (std::uint32_t i = 0; i < kCount; ++i) {
+    const double u = 2.0 * std::numbers::pi * i / kCount;
+    for (const double side : {-0.3, 0.3})
+      mesh.positions.emplace_back((1.0 + side * std::cos(u / 2)) * std::cos(u), (1.0 + side * std::cos(u / 2)) * std::sin(u),
+                                  side * std::sin(u / 2));
+  }
+  for (std::uint32_t i = 0; i < kCount; ++i) {
+    const std::uint32_t a = 2 * i, b = 2 * i + 1;
+    const std::uint32_t c = i + 1 < kCount ? 2 * i + 2 : 1, d = i + 1 < kCount ? 2 * i + 3 : 0;
+    mesh.triangles.emplace_back(a, c, b);
+    mesh.triangles.emplace_back(b, c, d);
+  }
+  const RepairedMesh repaired = repair(mesh);
+  EXPECT_EQ(repaired.mesh.triangles.size(), mesh.triangles.size());
+  EXPECT_FALSE(repaired.found.closed);
+  EXPECT_GT(repaired.found.inconsistentEdges, 0u);
+}
+
+TEST(Repair, KleinBottleIsNotClosedForTheWindingNumber) {
+  Mesh mesh;
+  constexpr std::uint32_t kAround = 12, kAcross = 8;
+  for (std::uint32_t i = 0; i < kAround; ++i)
+    for (std::uint32_t j = 0; j < kAcross; ++j) mesh.positions.emplace_back(i, j, (i * 7 + j * 3) % 5);
+  const auto at = [](std::uint32_t i, std::uint32_t j) { return i < kAround ? i * kAcross + j % kAcross : (2 * kAcross - j) % kAcross; };
+  for (std::uint32_t i = 0; i < kAround; ++i)
+    for (std::uint32_t j = 0; j < kAcross; ++j) {
+      mesh.triangles.emplace_back(at(i, j), at(i + 1, j), at(i + 1, j + 1));
+      mesh.triangles.emplace_back(at(i, j), at(i + 1, j + 1), at(i, j + 1));
+    }
+  EXPECT_FALSE(repair(mesh).found.closed);
+}
+
+TEST(Repair, OnlyDegenerateTrianglesDoNotCrash) {
+  Mesh mesh;
+  mesh.positions = {{1, 2, 3}, {1, 2, 3}, {1, 2, 3}};
+  mesh.triangles = {{0, 1, 2}};
+  const RepairedMesh repaired = repair(mesh);
+  EXPECT_EQ(repaired.found.degenerateTriangles, 1u);
+  EXPECT_EQ(repaired.mesh.triangles.size(), 1u);
+  EXPECT_EQ(repair(Mesh{}).mesh.triangles.size(), 0u);
+}
+
+TEST(Repair, ATenthOfAMillionFacesTakeWellUnderASecond) {
+  Mesh mesh = torusMesh(1.0, 0.4, 400, 125);
+  std::swap(mesh.triangles[7].x, mesh.triangles[7].y);
+  const auto start = std::chrono::steady_clock::now();
+  const RepairedMesh repaired = repair(exploded(mesh));
+  EXPECT_TRUE(repaired.found.closed);
+  EXPECT_LT(std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count(), 2.0);
+}
+
+}  // namespace
+}  // namespace overcast
