@@ -1,0 +1,270 @@
+#include "formats/extension_json.h"
+
+#include <charconv>
+#include <cmath>
+#include <limits>
+#include <optional>
+
+#include <nlohmann/json.hpp>
+
+#include "formats/uri.h"
+
+namespace overcast {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr double kLargest = std::numeric_limits<double>::max();
+constexpr double kLargestFloat = std::numeric_limits<float>::max();
+constexpr double kTiny = std::numeric_limits<double>::min();
+constexpr double kTinyFloat = std::numeric_limits<float>::min();
+
+Json arrayOf(const glm::vec3& v) {
+  return Json::array({shortest(v.x), shortest(v.y), shortest(v.z)});
+}
+Json arrayOf(const glm::dvec3& v) {
+  return Json::array({v.x, v.y, v.z});
+}
+Json boxJson(const Box& box) {
+  return {{"min", arrayOf(box.min)}, {"max", arrayOf(box.max)}};
+}
+
+/// One object being read. The first thing that is wrong is remembered, so that a parser reads as a list of fields.
+class Fields {
+ public:
+  Fields(const Json& object, std::string place, std::optional<Error>& error) : object_(object), place_(std::move(place)), error_(error) {
+    if (!object_.is_object()) fail("", "is not an object");
+  }
+
+  bool has(const char* key) const { return object_.is_object() && object_.contains(key); }
+
+  Fields child(const char* key) { return {find(key), place_ + "/" + key, error_}; }
+  Fields element(const char* key, std::size_t i) { return {find(key).at(i), place_ + "/" + key + "/" + std::to_string(i), error_}; }
+
+  std::size_t arraySize(const char* key) {
+    const Json& value = find(key);
+    if (!value.is_array()) fail(key, "is not an array");
+    return value.is_array() ? value.size() : 0;
+  }
+
+  template <class T>
+  void number(const char* key, T& out, double low, double high) {
+    const Json& value = find(key);
+    if (checked(value, key, low, high)) out = static_cast<T>(value.get<double>());
+  }
+
+  template <class T>
+  void integer(const char* key, T& out, T low, T high) {
+    const Json& value = find(key);
+    const bool fits = value.is_number_unsigned() && value.get<std::uint64_t>() <= static_cast<std::uint64_t>(high) &&
+                      value.get<std::uint64_t>() >= static_cast<std::uint64_t>(low);
+    if (!fits) return fail(key, fmt::format("is not an integer from {} to {}", low, high));
+    out = value.get<T>();
+  }
+
+  template <class Vector>
+  void vector(const char* key, Vector& out, double low, double high) {
+    const Json& value = find(key);
+    if (!value.is_array() || value.size() != 3) return fail(key, "is not an array of 3 numbers");
+    for (int i = 0; i < 3; ++i) {
+      const Json& entry = value.at(static_cast<std::size_t>(i));
+      if (!checked(entry, key, low, high)) return;
+      out[i] = static_cast<typename Vector::value_type>(entry.get<double>());
+    }
+  }
+
+  void direction(const char* key, glm::vec3& out) {
+    glm::vec3 read = out;
+    vector(key, read, -2.0, 2.0);
+    const double length = std::sqrt(double{read.x} * read.x + double{read.y} * read.y + double{read.z} * read.z);
+    if (std::abs(length - 1.0) > 1e-3) return fail(key, fmt::format("is not a unit vector (its length is {:.6g})", length));
+    out = read;
+  }
+
+  void text(const char* key, std::string& out, bool mayBeEmpty) {
+    const Json& value = find(key);
+    if (!value.is_string()) return fail(key, "is not a string");
+    out = value.get<std::string>();
+    if (out.empty() && !mayBeEmpty) fail(key, "is empty");
+  }
+
+  void box(const char* key, Box& out) {
+    Fields fields = child(key);
+    fields.vector("min", out.min, -kLargest, kLargest);
+    fields.vector("max", out.max, -kLargest, kLargest);
+    for (int i = 0; i < 3; ++i)
+      if (!(out.min[i] <= out.max[i])) fields.fail("min", fmt::format("{} is above max {}", out.min[i], out.max[i]));
+  }
+
+  void version(int newest) {
+    int version = 1;
+    integer("version", version, 1, std::numeric_limits<int>::max());
+    if (version > newest) fail("version", fmt::format("{} is newer than {}, the newest this program knows", version, newest));
+  }
+
+  void fail(const std::string& key, std::string reason) {
+    if (!error_) error_ = Error{"", key.empty() ? place_ : place_ + "/" + key, std::move(reason)};
+  }
+
+ private:
+  const Json& find(const char* key) {
+    static const Json nothing;
+    if (has(key)) return object_.at(key);
+    fail(key, "is missing");
+    return nothing;
+  }
+
+  bool checked(const Json& value, const char* key, double low, double high) {
+    const double number = value.is_number() ? value.get<double>() : 0.0;
+    const bool fits = value.is_number() && number >= low && number <= high;
+    if (!fits) fail(key, value.is_number() ? fmt::format("{} is outside {:.6g} to {:.6g}", number, low, high) : "is not a number");
+    return fits;
+  }
+
+  const Json& object_;
+  std::string place_;
+  std::optional<Error>& error_;
+};
+
+template <class T, class Read>
+Result<T> parseObject(std::string_view json, const std::string& place, Read read) {
+  const Json document = Json::parse(json, nullptr, false);
+  std::optional<Error> error;
+  Fields fields(document, place, error);
+  T value;
+  if (!error) read(fields, value);
+  if (error) return *error;
+  return value;
+}
+
+bool isContentHash(const std::string& text) {
+  return text.empty() || (text.size() == 32 && text.find_first_not_of("0123456789abcdef") == std::string::npos);
+}
+
+void readOccluder(Fields& fields, Occluder& occluder) {
+  fields.version(kOccluderVersion);
+  std::string text;
+  fields.text("representation", text, false);
+  if (text != name(Representation::volume)) fields.fail("representation", fmt::format("'{}' is not known", text));
+  fields.text("uri", text, false);
+  occluder.uri = pathFromUri(text);
+  fields.text("contentHash", occluder.contentHash, true);
+  if (!isContentHash(occluder.contentHash)) fields.fail("contentHash", "is not 32 lower-case hexadecimal digits");
+  constexpr std::uint64_t largest = std::numeric_limits<std::uint64_t>::max();
+  fields.integer("bytes", occluder.bytes, std::uint64_t{0}, largest);
+  fields.box("bounds", occluder.bounds);
+  fields.number("influenceRadius", occluder.influenceRadius, 0.0, kLargest);
+  fields.number("lipschitz", occluder.lipschitz, kTiny, kLargest);
+  fields.text("signMethod", occluder.signMethod, true);
+  Fields error = fields.child("error");
+  error.number("max", occluder.error.max, 0.0, kLargest);
+  error.number("rms", occluder.error.rms, 0.0, kLargest);
+  error.integer("signErrors", occluder.error.signErrors, std::uint64_t{0}, largest);
+  error.integer("samples", occluder.error.samples, std::uint64_t{0}, largest);
+  error.integer("seed", occluder.error.seed, std::uint64_t{0}, largest);
+  fields.text("source", occluder.source, true);
+  fields.text("settingsHash", occluder.settingsHash, true);
+}
+
+void readSun(Fields fields, Sun& sun) {
+  fields.direction("direction", sun.direction);
+  fields.vector("colour", sun.colour, 0.0, kLargestFloat);
+  fields.number("angularRadius", sun.angularRadius, kTinyFloat, 1.5708);
+}
+
+void readAreaLight(Fields fields, AreaLight& light) {
+  fields.vector("position", light.position, -kLargestFloat, kLargestFloat);
+  fields.number("radius", light.radius, kTinyFloat, kLargestFloat);
+  fields.vector("colour", light.colour, 0.0, kLargestFloat);
+}
+
+void readEstimator(Fields fields, Estimator& estimator) {
+  fields.text("name", estimator.name, false);
+  fields.integer("taps", estimator.taps, 1, 8);
+  fields.number("k", estimator.k, 0.0, kLargestFloat);
+  fields.number("skyWeight", estimator.skyWeight, 0.0, 1.0);
+  if (fields.has("fitError")) fields.number("fitError", estimator.fitError, 0.0, kLargest);
+}
+
+void readLighting(Fields& fields, Lighting& lighting) {
+  fields.version(kLightingVersion);
+  Fields sky = fields.child("sky");
+  sky.vector("colour", lighting.skyColour, 0.0, kLargestFloat);
+  sky.direction("up", lighting.up);
+  if (fields.has("sun")) readSun(fields.child("sun"), lighting.sun.emplace());
+  const std::size_t lights = fields.has("areaLights") ? fields.arraySize("areaLights") : 0;
+  for (std::size_t i = 0; i < lights; ++i) readAreaLight(fields.element("areaLights", i), lighting.areaLights.emplace_back());
+  Fields volume = fields.child("globalVolume");
+  if (volume.has("bounds")) volume.box("bounds", lighting.globalVolume.bounds.emplace());
+  volume.integer("resolution", lighting.globalVolume.resolution, 32, 256);
+  if (lighting.globalVolume.resolution % 8 != 0) volume.fail("resolution", "is not a multiple of 8");
+  readEstimator(fields.child("estimator"), lighting.estimator);
+  fields.number("exposure", lighting.exposure, kTinyFloat, kLargestFloat);
+}
+
+/// Bytes that are no UTF-8 (names from old mesh files) become U+FFFD: JSON text has no other way to hold them.
+std::string dump(const Json& json) {
+  return json.dump(-1, ' ', false, Json::error_handler_t::replace);
+}
+
+}  // namespace
+
+double shortest(float value) {
+  char text[32];
+  const auto end = std::to_chars(text, text + sizeof(text), value).ptr;
+  double wide = 0.0;
+  std::from_chars(text, end, wide);
+  return static_cast<float>(wide) == value ? wide : static_cast<double>(value);
+}
+
+std::string occluderJson(const Occluder& occluder) {
+  return dump({{"version", kOccluderVersion},
+               {"representation", name(occluder.representation)},
+               {"uri", uriFromPath(occluder.uri)},
+               {"contentHash", occluder.contentHash},
+               {"bytes", occluder.bytes},
+               {"bounds", boxJson(occluder.bounds)},
+               {"influenceRadius", occluder.influenceRadius},
+               {"lipschitz", occluder.lipschitz},
+               {"signMethod", occluder.signMethod},
+               {"error",
+                {{"max", occluder.error.max},
+                 {"rms", occluder.error.rms},
+                 {"signErrors", occluder.error.signErrors},
+                 {"samples", occluder.error.samples},
+                 {"seed", occluder.error.seed}}},
+               {"source", occluder.source},
+               {"settingsHash", occluder.settingsHash}});
+}
+
+std::string lightingJson(const Lighting& lighting) {
+  Json json = {{"version", kLightingVersion}, {"sky", {{"colour", arrayOf(lighting.skyColour)}, {"up", arrayOf(lighting.up)}}}};
+  if (lighting.sun) {
+    json["sun"] = {{"direction", arrayOf(lighting.sun->direction)},
+                   {"colour", arrayOf(lighting.sun->colour)},
+                   {"angularRadius", shortest(lighting.sun->angularRadius)}};
+  }
+  for (const AreaLight& light : lighting.areaLights) {
+    json["areaLights"].push_back(
+        {{"position", arrayOf(light.position)}, {"radius", shortest(light.radius)}, {"colour", arrayOf(light.colour)}});
+  }
+  json["globalVolume"] = Json::object();
+  if (lighting.globalVolume.bounds) json["globalVolume"]["bounds"] = boxJson(*lighting.globalVolume.bounds);
+  json["globalVolume"]["resolution"] = lighting.globalVolume.resolution;
+  const Estimator& estimator = lighting.estimator;
+  json["estimator"] = {
+      {"name", estimator.name}, {"taps", estimator.taps}, {"k", shortest(estimator.k)}, {"skyWeight", shortest(estimator.skyWeight)}};
+  if (estimator.fitError >= 0.0) json["estimator"]["fitError"] = estimator.fitError;
+  json["exposure"] = shortest(lighting.exposure);
+  return dump(json);
+}
+
+Result<Occluder> parseOccluder(std::string_view json, const std::string& place) {
+  return parseObject<Occluder>(json, place, readOccluder);
+}
+
+Result<Lighting> parseLighting(std::string_view json, const std::string& place) {
+  return parseObject<Lighting>(json, place, readLighting);
+}
+
+}  // namespace overcast
