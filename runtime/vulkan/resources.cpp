@@ -216,6 +216,7 @@ std::uint32_t texelBytes(VkFormat format) {
     case VK_FORMAT_R16_SFLOAT:
       return 2;
     case VK_FORMAT_R8G8B8A8_UNORM:
+    case VK_FORMAT_R8G8B8A8_SRGB:
     case VK_FORMAT_B8G8R8A8_UNORM:
     case VK_FORMAT_R16G16_SFLOAT:
     case VK_FORMAT_R32_SFLOAT:

@@ -1,0 +1,19 @@
+#version 460
+#include "runtime/passes/geometry/geometry.h"
+
+layout(push_constant) uniform Push { GeometryPush push; };
+
+layout(location = 0) in vec3 relative;
+layout(location = 1) in vec3 normal;
+layout(location = 0) out vec4 outNormal;
+layout(location = 1) out vec4 outColour;
+
+void main() {
+  // Lengths do not matter, so the face is taken from unit steps: products of tiny derivatives would vanish.
+  const vec3 stepX = dFdx(relative);
+  const vec3 stepY = dFdy(relative);
+  const float size = max(max(abs(stepX.x), abs(stepX.y)), max(max(abs(stepX.z), abs(stepY.x)), max(abs(stepY.y), abs(stepY.z))));
+  const vec3 face = size > 0.0 ? cross(stepX / size, stepY / size) : vec3(0.0);
+  outNormal = vec4(facingNormal(normal, face, -relative), 1.0);
+  outColour = vec4(push.baseColour.rgb, 1.0);
+}

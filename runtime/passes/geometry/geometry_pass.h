@@ -1,0 +1,58 @@
+// The geometry pass: rasterises placed meshes into depth, normal and base colour (geometry.h has the formulas).
+#pragma once
+
+#include <cstdint>
+#include <span>
+
+#include <glm/mat4x4.hpp>
+#include <glm/vec3.hpp>
+
+#include "runtime/passes/geometry/geometry.h"
+#include "runtime/vulkan/device.h"
+#include "runtime/vulkan/pipeline.h"
+#include "runtime/vulkan/resources.h"
+
+namespace overcast {
+
+/// What the geometry pass writes and the passes after it read; all three sampled in layout SHADER_READ_ONLY_OPTIMAL after
+/// recordGeometry.
+struct GeometryImages {
+  GpuImage depth;   ///< D32: reversed and infinite: near plane / distance along the view axis; 0 where there is no surface
+  GpuImage normal;  ///< RGBA16F: xyz unit world-space normal towards the viewer; w 1 on surfaces, else 0
+  GpuImage colour;  ///< RGBA8 sRGB (linear when sampled): base colour; a 1 on surfaces
+};
+
+Result<GeometryImages> makeGeometryImages(const Device& device, VkExtent2D size);
+void destroyGeometryImages(const Device& device, GeometryImages& images);
+
+/// A run of indices drawn for a run of instances.
+struct GeometryDraw {
+  std::uint32_t firstIndex = 0;
+  std::uint32_t indexCount = 0;
+  std::int32_t vertexOffset = 0;
+  std::uint32_t firstInstance = 0;
+  std::uint32_t instanceCount = 0;
+  glm::vec4 baseColour{1.0f};
+};
+
+struct GeometryPass {
+  Pipeline pipeline;
+  DescriptorSet set;
+  GpuBuffer instances;  ///< shared::GeometryInstance[capacity], mapped
+  VkBuffer indices = VK_NULL_HANDLE;
+  std::uint32_t capacity = 0;
+};
+
+/// Draws from `vertices` (shared::kVertexFloats floats each) and `indices` (uint32), which must outlive the pass.
+Result<GeometryPass> makeGeometryPass(const Device& device, const GpuBuffer& vertices, const GpuBuffer& indices, std::uint32_t capacity);
+void destroyGeometryPass(const Device& device, GeometryPass& pass);
+
+/// The record of a mesh placed by `worldFromLocal` (affine, any determinant, singular ones too) and seen from `eye`, both in world space.
+shared::GeometryInstance geometryInstance(const glm::dmat4& worldFromLocal, const glm::dvec3& eye);
+
+/// Puts `instances` into the pass (the device must not be reading an earlier frame's) and records the draws. Outside of rendering.
+void recordGeometry(VkCommandBuffer commands, GeometryPass& pass, const GeometryImages& images,
+                    std::span<const shared::GeometryInstance> instances, std::span<const GeometryDraw> draws,
+                    const glm::mat4& clipFromRelative);
+
+}  // namespace overcast
