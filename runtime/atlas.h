@@ -1,0 +1,60 @@
+// Atlas: all local volumes in one 3D image (there is no descriptor indexing on lavapipe).
+//
+// Values are stored in local voxels (distance / voxelSize): half floats are then best near the surface at any scale. Sampling is clamped
+// between the centres of a volume's first and last samples, where trilinear weights of the next volume are zero, so volumes lie side by
+// side without padding. The extent's sides are powers of two: dividing a texel coordinate by them is exact, so that zero stays zero.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include <glm/vec3.hpp>
+
+#include "formats/result.h"
+#include "formats/volume.h"
+#include "runtime/vulkan/device.h"
+#include "runtime/vulkan/resources.h"
+
+namespace overcast {
+
+enum class AtlasBits { half, single };
+
+/// What an atlas may take.
+struct AtlasLimits {
+  std::uint32_t maxSide = 0;   ///< texels
+  std::uint64_t maxBytes = 0;  ///< of the whole image
+  std::uint32_t texelBytes = 2;
+};
+
+/// Where everything goes.
+struct AtlasLayout {
+  glm::ivec3 extent{1};             ///< powers of two
+  std::vector<glm::ivec3> offsets;  ///< first texel of every volume, in the order given
+};
+
+/// Packs boxes of `sizes` texels into layers of rows, the deepest first, choosing the width and height that need the fewest texels.
+/// The same sizes give the same layout. No boxes: an extent of one texel. An Error names what does not fit and by how much.
+Result<AtlasLayout> packAtlas(std::span<const glm::ivec3> sizes, const AtlasLimits& limits);
+
+/// One packed volume, as the composite needs it.
+struct AtlasEntry {
+  glm::ivec3 offset{0};       ///< first texel
+  glm::ivec3 size{0};         ///< samples
+  glm::dvec3 origin{0.0};     ///< local-space position of the first sample
+  double voxelSize = 0.0;     ///< local units
+  float lipschitz = 1.0f;     ///< lipschitzBound() of the values as stored, extended beyond the box as objectDistance does
+  float lowestBorder = 0.0f;  ///< smallest stored value on the border of the box in local voxels, or 0 when that is positive
+};
+
+struct Atlas {
+  GpuImage image;                      ///< R16F or R32F, always in the layout of kComputeSample
+  VkSampler sampler = VK_NULL_HANDLE;  ///< trilinear, clamped to the edge
+  std::vector<AtlasEntry> entries;     ///< one for each volume, in the order given
+};
+
+/// Packs and uploads; waits. Values beyond the range of half floats are clamped to it. An Error when the device cannot hold the atlas.
+Result<Atlas> makeAtlas(const Device& device, std::span<const Volume> volumes, AtlasBits bits = AtlasBits::half);
+void destroyAtlas(const Device& device, Atlas& atlas);
+
+}  // namespace overcast

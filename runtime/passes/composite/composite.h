@@ -1,0 +1,87 @@
+// Composite: phi = min over objects into the global volume (DESIGN 5.1, 5.2; Evans 2006, 9.8). Read by C++ and GLSL.
+//
+// Units: the global volume holds signed distances in global voxels (negative inside), so that half floats are best near surfaces whatever
+// the scale of the scene. Points p are in global voxels from the centre of the volume; the atlas holds distances in local voxels.
+#ifndef RUNTIME_PASSES_COMPOSITE_COMPOSITE_H
+#define RUNTIME_PASSES_COMPOSITE_COMPOSITE_H
+
+#include "runtime/shared_types.h"
+
+#ifdef __cplusplus
+#define OVERCAST_PRECISE
+#else
+#define OVERCAST_PRECISE precise  // no contraction: the culled and the brute-force shader must agree to the last bit
+#endif
+
+OVERCAST_SHARED_BEGIN
+
+const int kBrickSide = 8;                 ///< voxels along the side of a brick
+const int kBrickCapacity = 64;            ///< objects a brick's list can hold
+const uint kBrickOverflow = 0xffffffffu;  ///< count of a brick whose list did not fit: it evaluates every object
+const float kFarField = 65504.0f;         ///< distance, in voxels, where there is no object; the largest half float
+
+/// Half diagonal, in voxels, of the voxel centres of a brick about the brick's centre: 3.5 sqrt(3), rounded up.
+const float kBrickRadius = 6.0621783f;
+
+/// Allowance of the culling margin for hardware that rounds a filtered value to a half float, twice: at the brick's centre and at the
+/// voxel.
+const float kRelativeSlack = 0.001953125f;
+
+/// One object as the GPU sees it. Local sample coordinates count samples: the first sample is at 0, the last at `lastSample`.
+struct CompositeObject {
+  vec4 rowX;        //  0: local sample coordinate x = dot(rowX.xyz, p) + rowX.w
+  vec4 rowY;        // 16
+  vec4 rowZ;        // 32
+  vec4 axisScale;   // 48: global voxels per local voxel: xyz of gaps beyond the box along its axes, w of distances (sigma_min)
+  vec4 firstTexel;  // 64: xyz: centre of the first sample in the atlas, texels; w: lowest distance on the box's border in global voxels, <=
+                    // 0
+  vec4 lastSample;  // 80: xyz: samples - 1; w: lipschitz bound of objectDistance, global voxel per global voxel
+  float slack;      // 96: bound of the error of two evaluations by filtering and coordinate rounding, global voxels
+  uint present;     // 100: 0: takes no part
+  uint moved;       // 104: differs from the last composited frame
+  uint padding;     // 108
+};
+
+struct CompositePush {
+  ivec4 bricks;     //  0: xyz: bricks along the sides of the volume, w: number of objects
+  vec4 atlasTexel;  // 16: xyz: 1 / extent of the atlas
+  uint everything;  // 32: 1: composite all bricks whatever moved
+};
+
+/// Local sample coordinates of the point p.
+OVERCAST_INLINE vec3 localSample(CompositeObject object, vec3 p) {
+  OVERCAST_PRECISE vec3 local =
+      vec3(dot(vec3(object.rowX), p) + object.rowX.w, dot(vec3(object.rowY), p) + object.rowY.w, dot(vec3(object.rowZ), p) + object.rowZ.w);
+  return local;
+}
+
+/// The point of the object's box of samples that is closest to `local`.
+OVERCAST_INLINE vec3 closestSample(CompositeObject object, vec3 local) {
+  return clamp(local, vec3(0.0f), vec3(object.lastSample));
+}
+
+/// Distance from the box of samples in global voxels: exact where the transform keeps the box's axes orthogonal, else a lower bound.
+OVERCAST_INLINE float gapBeyondBox(CompositeObject object, vec3 local, vec3 closest) {
+  OVERCAST_PRECISE vec3 gap = (local - closest) * vec3(object.axisScale);
+  OVERCAST_PRECISE float squared = dot(gap, gap);
+  return sqrt(squared);
+}
+
+/// Signed distance from a point `gap` beyond the box whose closest point of the box has the distance `phi` (DESIGN 5.1), all in global
+/// voxels. Continuous at the box and at phi = 0.
+OVERCAST_INLINE float extendedDistance(float phi, float gap) {
+  OVERCAST_PRECISE float outside = sqrt(gap * gap + phi * phi);
+  OVERCAST_PRECISE float inside = gap + phi;
+  return gap > 0.0f ? (phi < 0.0f ? inside : outside) : phi;
+}
+
+/// How far any value of the object within a brick can be from `value`, taken at the brick's centre: the Lipschitz bound over the brick and
+/// what two evaluations may be off. Keep i only if value_i - margin_i <= min over j of (value_j + margin_j).
+OVERCAST_INLINE float cullMargin(CompositeObject object, float value) {
+  float reach = object.lastSample.w * kBrickRadius;
+  return reach + object.slack + kRelativeSlack * (abs(value) + reach);
+}
+
+OVERCAST_SHARED_END
+
+#endif

@@ -1,0 +1,83 @@
+#include "tests/runtime/scenes.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <glm/common.hpp>
+#include <glm/geometric.hpp>
+#include <glm/gtc/quaternion.hpp>
+
+namespace overcast::test {
+namespace {
+
+double uniform(std::mt19937& random, double low, double high) {
+  // Not std::uniform_real_distribution, whose values depend on the standard library.
+  return low + (high - low) * (static_cast<double>(random()) / 4294967296.0);
+}
+
+glm::dmat4 scaling(const glm::dvec3& scale) {
+  glm::dmat4 matrix(1.0);
+  for (int axis = 0; axis < 3; ++axis) matrix[axis][axis] = scale[axis];
+  return matrix;
+}
+
+glm::dmat4 randomRotation(std::mt19937& random) {
+  const glm::dquat q{uniform(random, -1, 1), uniform(random, -1, 1), uniform(random, -1, 1), uniform(random, -1, 1)};
+  return glm::mat4_cast(glm::normalize(q));
+}
+
+}  // namespace
+
+Volume sampled(const std::function<double(const glm::dvec3&)>& distance, int samples, double half) {
+  Volume volume;
+  volume.size = glm::ivec3(samples);
+  volume.origin = glm::dvec3(-half);
+  volume.voxelSize = 2.0 * half / (samples - 1);
+  for (int k = 0; k < samples; ++k)
+    for (int j = 0; j < samples; ++j)
+      for (int i = 0; i < samples; ++i)
+        volume.distance.push_back(static_cast<float>(distance(volume.origin + volume.voxelSize * glm::dvec3(i, j, k))));
+  return volume;
+}
+
+double sphereDistance(const glm::dvec3& p, double radius) {
+  return glm::length(p) - radius;
+}
+
+double boxDistance(const glm::dvec3& p, const glm::dvec3& half) {
+  const glm::dvec3 beyond = glm::abs(p) - half;
+  return glm::length(glm::max(beyond, glm::dvec3(0.0))) + std::min(std::max({beyond.x, beyond.y, beyond.z}), 0.0);
+}
+
+double torusDistance(const glm::dvec3& p, double ring, double tube) {
+  return std::hypot(std::hypot(p.x, p.z) - ring, p.y) - tube;
+}
+
+std::vector<Volume> variedVolumes() {
+  std::vector<Volume> volumes;
+  volumes.push_back(sampled([](const glm::dvec3& p) { return sphereDistance(p, 0.8); }, 16, 1.0));
+  volumes.push_back(sampled([](const glm::dvec3& p) { return boxDistance(p, {0.7, 0.3, 0.5}); }, 12, 0.9));
+  volumes.push_back(sampled([](const glm::dvec3& p) { return torusDistance(p, 0.6, 0.2); }, 20, 1.0));
+  volumes.push_back(sampled([](const glm::dvec3& p) { return sphereDistance(p, 1.2); }, 9, 1.0));
+  std::mt19937 random(7);
+  volumes.push_back(sampled([&](const glm::dvec3& p) { return sphereDistance(p, 0.5) + uniform(random, -0.4, 0.4); }, 7, 1.0));
+  Volume flat = volumes[1];
+  flat.size.z = 5;
+  flat.distance.resize(static_cast<std::size_t>(flat.size.x * flat.size.y * flat.size.z));
+  volumes.push_back(flat);
+  return volumes;
+}
+
+glm::dmat4 randomTransform(std::mt19937& random, double spread) {
+  const glm::dvec3 where{uniform(random, -spread, spread), uniform(random, -spread, spread), uniform(random, -spread, spread)};
+  glm::dvec3 scale(uniform(random, 0.2, 2.5));
+  const unsigned kind = random() % 4;
+  if (kind > 0) scale = {uniform(random, 0.2, 2.5), uniform(random, 0.2, 2.5), uniform(random, 0.2, 2.5)};
+  if (kind == 2) scale.x = -scale.x;
+  glm::dmat4 matrix = randomRotation(random) * scaling(scale);
+  if (kind == 3) matrix = matrix * randomRotation(random) * scaling({1.0, 0.6, 1.4});
+  matrix[3] = glm::dvec4(where, 1.0);
+  return matrix;
+}
+
+}  // namespace overcast::test
