@@ -1,6 +1,7 @@
 // The tree keeps its layers (DESIGN 1), and the checker that says so can fail.
 #include "tests/layering/layering.h"
 
+#include <ostream>
 #include <string>
 
 #include <gtest/gtest.h>
@@ -19,6 +20,10 @@ struct BadSnippet {
   const char* file;
   const char* line;
 };
+
+void PrintTo(const BadSnippet& snippet, std::ostream* stream) {
+  *stream << snippet.file << ": " << snippet.line;
+}
 
 class BadIncludes : public testing::TestWithParam<BadSnippet> {};
 

@@ -1,0 +1,62 @@
+// overcast-make-data: writes the scenes and meshes of the project. Same bytes every time.
+#include <cstdio>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include <CLI/CLI.hpp>
+
+#include "data/make/scenes.h"
+#include "data/make/shapes.h"
+#include "formats/scene.h"
+
+namespace {
+
+namespace fs = std::filesystem;
+using namespace overcast;
+
+struct NamedScene {
+  const char* name;
+  Scene (*make)();
+};
+
+constexpr NamedScene kScenes[] = {
+    {"sphere_on_plane", makeSphereOnPlane}, {"cornell_box", makeCornellBox}, {"cornell_star", makeCornellStar}, {"clutter", makeClutter}};
+
+// Prints the error, if there is one; true when there is none.
+bool reported(const Result<Done>& result) {
+  if (!result.ok()) std::fprintf(stderr, "overcast-make-data: %s\n", message(result.error()).c_str());
+  return result.ok();
+}
+
+int writeAll(const fs::path& folder) {
+  for (const NamedScene& scene : kScenes)
+    if (!reported(writeScene(folder / "scenes" / (std::string(scene.name) + ".gltf"), scene.make()))) return 1;
+  const Mesh meshes[] = {makeBox({1.0, 1.0, 1.0}), makeIcosphere(0.5, 3), makeTorus(0.35, 0.15, 48, 20),
+                         makeTorusKnot(0.5, 0.1, 2, 3, 160, 12)};
+  for (const Mesh& mesh : meshes)
+    if (!reported(writeOff(folder / "meshes" / (mesh.name + ".off"), mesh))) return 1;
+  return 0;
+}
+
+int writeDefault(const fs::path& meshes, const fs::path& file) {
+  std::vector<std::string> notes;
+  const Scene scene = makeDefault(meshes, notes);
+  for (const std::string& note : notes) std::fprintf(stderr, "overcast-make-data: %s\n", note.c_str());
+  return reported(writeScene(file, scene)) ? 0 : 1;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  CLI::App app("Writes the scenes and meshes of the project. Exit codes: 0 done, 1 a file cannot be written, others: bad arguments.");
+  app.require_subcommand(1);
+  fs::path output, meshes;
+  CLI::App* all = app.add_subcommand("all", "scenes/*.gltf and meshes/*.off, as committed in data/");
+  all->add_option("-o,--output", output, "folder to write into")->required();
+  CLI::App* standard = app.add_subcommand("default", "the scene of the demo, with scanned meshes");
+  standard->add_option("--meshes", meshes, "folder that holds elephant.off, bunny00.off and armadillo.off")->required();
+  standard->add_option("-o,--output", output, ".gltf file to write")->required();
+  CLI11_PARSE(app, argc, argv);
+  return all->parsed() ? writeAll(output) : writeDefault(meshes, output);
+}

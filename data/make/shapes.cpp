@@ -1,0 +1,223 @@
+#include "data/make/shapes.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <numbers>
+#include <utility>
+
+#include <glm/geometric.hpp>
+
+namespace overcast {
+namespace {
+
+constexpr double kPi = std::numbers::pi;
+
+std::uint32_t addVertex(Mesh& mesh, const glm::dvec3& position) {
+  mesh.positions.push_back(snapped(position));
+  return static_cast<std::uint32_t>(mesh.positions.size() - 1);
+}
+
+void addQuad(Mesh& mesh, std::uint32_t a, std::uint32_t b, std::uint32_t c, std::uint32_t d) {
+  mesh.triangles.emplace_back(a, b, c);
+  mesh.triangles.emplace_back(a, c, d);
+}
+
+// Area-weighted normals of shared vertices: edges that should look sharp have their vertices twice. Snapped as positions are.
+Mesh finished(Mesh mesh, const char* name) {
+  mesh.name = name;
+  std::vector<glm::dvec3> sums(mesh.positions.size(), glm::dvec3(0.0));
+  for (const glm::uvec3& t : mesh.triangles) {
+    const glm::dvec3 a = mesh.positions[t.x];
+    const glm::dvec3 normal = glm::cross(mesh.positions[t.y] - a, mesh.positions[t.z] - a);
+    for (const std::uint32_t corner : {t.x, t.y, t.z}) sums[corner] += normal;
+  }
+  mesh.normals.clear();
+  for (const glm::dvec3& sum : sums) mesh.normals.emplace_back(snapped(sum / glm::length(sum)));
+  mesh.parts = {{0, static_cast<std::uint32_t>(mesh.triangles.size()), -1}};
+  return mesh;
+}
+
+// A surface over u, v in [0, 1) that closes in both directions; du x dv points outwards.
+Mesh closedSurface(int segments, int tubeSegments, const std::function<glm::dvec3(double, double)>& point) {
+  Mesh mesh;
+  for (int i = 0; i < segments; ++i)
+    for (int j = 0; j < tubeSegments; ++j) addVertex(mesh, point(i / double(segments), j / double(tubeSegments)));
+  const auto index = [&](int i, int j) { return static_cast<std::uint32_t>((i % segments) * tubeSegments + j % tubeSegments); };
+  for (int i = 0; i < segments; ++i)
+    for (int j = 0; j < tubeSegments; ++j) addQuad(mesh, index(i, j), index(i + 1, j), index(i + 1, j + 1), index(i, j + 1));
+  return mesh;
+}
+
+// A disc in the plane y = height with its own vertices; `up` says where it looks.
+void addDisc(Mesh& mesh, double radius, double height, int segments, bool up) {
+  const std::uint32_t middle = addVertex(mesh, {0.0, height, 0.0});
+  for (int i = 0; i < segments; ++i) {
+    const double angle = 2.0 * kPi * i / segments;
+    addVertex(mesh, {radius * std::cos(angle), height, radius * std::sin(angle)});
+  }
+  for (int i = 0; i < segments; ++i) {
+    const std::uint32_t a = middle + 1 + static_cast<std::uint32_t>(i);
+    const std::uint32_t b = middle + 1 + static_cast<std::uint32_t>((i + 1) % segments);
+    mesh.triangles.emplace_back(middle, up ? b : a, up ? a : b);
+  }
+}
+
+// Gielis' superformula with equal exponents: 1 at the middle of each of `lobes` lobes, less between them.
+double superformula(double angle, double lobes) {
+  const double c = std::pow(std::abs(std::cos(lobes * angle / 4.0)), 1.7);
+  const double s = std::pow(std::abs(std::sin(lobes * angle / 4.0)), 1.7);
+  return std::pow(c + s, -6.0);
+}
+
+}  // namespace
+
+double snapped(double value) {
+  return std::nearbyint(value * 1e6) / 1e6 + 0.0;
+}
+
+glm::dvec3 snapped(const glm::dvec3& value) {
+  return {snapped(value.x), snapped(value.y), snapped(value.z)};
+}
+
+double lowestPoint(const Mesh& mesh, const glm::dquat& rotation) {
+  double lowest = 1e300;
+  for (const glm::dvec3& position : mesh.positions) lowest = std::min(lowest, (rotation * position).y);
+  return lowest;
+}
+
+void fitToSize(Mesh& mesh, double longestSide) {
+  const Box box = bounds(mesh);
+  const glm::dvec3 sides = extent(box);
+  const double factor = longestSide / std::max({sides.x, sides.y, sides.z});
+  for (glm::dvec3& position : mesh.positions) position = (position - centre(box)) * factor;
+}
+
+Mesh makeBox(const glm::dvec3& extent) {
+  Mesh mesh;
+  for (int axis = 0; axis < 3; ++axis) {
+    for (const double side : {-1.0, 1.0}) {
+      glm::dvec3 normal(0.0), u(0.0), v(0.0);
+      normal[axis] = side;
+      u[(axis + 1) % 3] = side;
+      v[(axis + 2) % 3] = 1.0;
+      const auto corner = [&](double s, double t) { return addVertex(mesh, 0.5 * extent * (normal + s * u + t * v)); };
+      const std::uint32_t first = corner(-1.0, -1.0);
+      corner(1.0, -1.0);
+      corner(1.0, 1.0);
+      corner(-1.0, 1.0);
+      addQuad(mesh, first, first + 1, first + 2, first + 3);
+    }
+  }
+  return finished(std::move(mesh), "box");
+}
+
+Mesh makeIcosphere(double radius, int subdivisions) {
+  const double g = std::numbers::phi;
+  std::vector<glm::dvec3> points = {{-1, g, 0},  {1, g, 0},  {-1, -g, 0}, {1, -g, 0}, {0, -1, g},  {0, 1, g},
+                                    {0, -1, -g}, {0, 1, -g}, {g, 0, -1},  {g, 0, 1},  {-g, 0, -1}, {-g, 0, 1}};
+  Mesh mesh;
+  mesh.triangles = {{0, 11, 5}, {0, 5, 1}, {0, 1, 7}, {0, 7, 10}, {0, 10, 11}, {1, 5, 9}, {5, 11, 4}, {11, 10, 2}, {10, 7, 6}, {7, 1, 8},
+                    {3, 9, 4},  {3, 4, 2}, {3, 2, 6}, {3, 6, 8},  {3, 8, 9},   {4, 9, 5}, {2, 4, 11}, {6, 2, 10},  {8, 6, 7},  {9, 8, 1}};
+  for (int level = 0; level < subdivisions; ++level) {
+    std::map<std::pair<std::uint32_t, std::uint32_t>, std::uint32_t> middles;
+    const auto middle = [&](std::uint32_t a, std::uint32_t b) {
+      const auto [entry, isNew] = middles.try_emplace(std::minmax(a, b), static_cast<std::uint32_t>(points.size()));
+      if (isNew) points.push_back(glm::normalize(points[a]) + glm::normalize(points[b]));
+      return entry->second;
+    };
+    std::vector<glm::uvec3> finer;
+    for (const glm::uvec3& t : mesh.triangles) {
+      const std::uint32_t ab = middle(t.x, t.y), bc = middle(t.y, t.z), ca = middle(t.z, t.x);
+      finer.insert(finer.end(), {{t.x, ab, ca}, {ab, t.y, bc}, {ca, bc, t.z}, {ab, bc, ca}});
+    }
+    mesh.triangles = std::move(finer);
+  }
+  for (const glm::dvec3& point : points) addVertex(mesh, radius * glm::normalize(point));
+  return finished(std::move(mesh), "icosphere");
+}
+
+Mesh makeTorus(double radius, double tubeRadius, int segments, int tubeSegments) {
+  return finished(closedSurface(segments, tubeSegments,
+                                [&](double u, double v) {
+                                  const double a = -2.0 * kPi * u, b = 2.0 * kPi * v;
+                                  const double fromAxis = radius + tubeRadius * std::cos(b);
+                                  return glm::dvec3(fromAxis * std::cos(a), tubeRadius * std::sin(b), fromAxis * std::sin(a));
+                                }),
+                  "torus");
+}
+
+Mesh makeCone(double radius, double height, int segments) {
+  Mesh mesh;
+  addDisc(mesh, radius, -0.5 * height, segments, false);
+  const auto ring = static_cast<std::uint32_t>(mesh.positions.size());
+  for (int i = 0; i < segments; ++i) {
+    const double angle = 2.0 * kPi * i / segments;
+    addVertex(mesh, {radius * std::cos(angle), -0.5 * height, radius * std::sin(angle)});
+    addVertex(mesh, {0.0, 0.5 * height, 0.0});
+  }
+  for (int i = 0; i < segments; ++i) {
+    const std::uint32_t a = ring + 2 * static_cast<std::uint32_t>(i);
+    mesh.triangles.emplace_back(a, a + 1, ring + 2 * static_cast<std::uint32_t>((i + 1) % segments));
+  }
+  return finished(std::move(mesh), "cone");
+}
+
+Mesh makeCylinder(double radius, double height, int segments) {
+  Mesh mesh;
+  addDisc(mesh, radius, -0.5 * height, segments, false);
+  addDisc(mesh, radius, 0.5 * height, segments, true);
+  const auto ring = static_cast<std::uint32_t>(mesh.positions.size());
+  for (int i = 0; i < segments; ++i) {
+    const double angle = 2.0 * kPi * i / segments;
+    for (const double y : {-0.5, 0.5}) addVertex(mesh, {radius * std::cos(angle), y * height, radius * std::sin(angle)});
+  }
+  for (int i = 0; i < segments; ++i) {
+    const std::uint32_t a = ring + 2 * static_cast<std::uint32_t>(i), b = ring + 2 * static_cast<std::uint32_t>((i + 1) % segments);
+    addQuad(mesh, a, a + 1, b + 1, b);
+  }
+  return finished(std::move(mesh), "cylinder");
+}
+
+Mesh makeTorusKnot(double radius, double tubeRadius, int p, int q, int segments, int tubeSegments) {
+  const double scale = (radius - tubeRadius) / 3.0;
+  const auto curve = [&](double t) {
+    const double around = 2.0 * kPi * p * t, across = 2.0 * kPi * q * t;
+    const double fromAxis = 2.0 + std::cos(across);
+    return scale * glm::dvec3(fromAxis * std::cos(around), fromAxis * std::sin(around), std::sin(across));
+  };
+  return finished(closedSurface(segments, tubeSegments,
+                                [&](double u, double v) {
+                                  const glm::dvec3 here = curve(u), ahead = curve(u + 1e-4);
+                                  const glm::dvec3 tangent = glm::normalize(ahead - here);
+                                  const glm::dvec3 side = glm::normalize(glm::cross(tangent, ahead + here));
+                                  const glm::dvec3 out = glm::cross(side, tangent);
+                                  const double angle = 2.0 * kPi * v;
+                                  return here + tubeRadius * (std::cos(angle) * out - std::sin(angle) * side);
+                                }),
+                  "torus_knot");
+}
+
+Mesh makeStar(double radius, int arms, int segments, int rings) {
+  Mesh mesh;
+  const auto point = [&](int i, int j) {
+    const double around = -2.0 * kPi * i / segments, up = kPi * (double(j) / rings - 0.5);
+    const double fromMiddle = radius * superformula(up, 4.0), fromAxis = fromMiddle * superformula(around, arms) * std::cos(up);
+    return glm::dvec3(fromAxis * std::cos(around), fromMiddle * std::sin(up), fromAxis * std::sin(around));
+  };
+  const std::uint32_t south = addVertex(mesh, {0.0, point(0, 0).y, 0.0});
+  for (int j = 1; j < rings; ++j)
+    for (int i = 0; i < segments; ++i) addVertex(mesh, point(i, j));
+  const std::uint32_t north = addVertex(mesh, {0.0, point(0, rings).y, 0.0});
+  const auto index = [&](int i, int j) { return static_cast<std::uint32_t>(1 + (j - 1) * segments + i % segments); };
+  for (int i = 0; i < segments; ++i) {
+    mesh.triangles.emplace_back(south, index(i + 1, 1), index(i, 1));
+    for (int j = 1; j + 1 < rings; ++j) addQuad(mesh, index(i, j), index(i + 1, j), index(i + 1, j + 1), index(i, j + 1));
+    mesh.triangles.emplace_back(north, index(i, rings - 1), index(i + 1, rings - 1));
+  }
+  return finished(std::move(mesh), "star");
+}
+
+}  // namespace overcast
