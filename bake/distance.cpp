@@ -1,139 +1,69 @@
 #include "bake/distance.h"
 
-#include <embree3/rtcore.h>
-#include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
 
+#include <algorithm>
+#include <array>
 #include <atomic>
-#include <cmath>
-#include <limits>
-#include <memory>
 
-#include "bake/triangle.h"
+#include <glm/common.hpp>
+
+#include "bake/bvh.h"
+#include "bake/distance_kernel.h"
 
 namespace overcast {
 namespace {
 
-constexpr int kTile = 8;                // samples along the side of a tile
-constexpr std::size_t kPointTile = 64;  // points per task of distanceAt
-constexpr double kSlack = 1e-6;         // relative: what single floats inside Embree may lose, many times over
+constexpr int kTile = 4;  // blocks along the side of a tile, which one thread fills
 
-/// The mesh centred at the origin and scaled by a power of two to about unit size, so that Embree's single floats resolve it anywhere.
-struct QueryScene {
-  std::vector<glm::dvec3> positions;
-  std::vector<glm::uvec3> triangles;
-  glm::dvec3 centre{0.0};
-  double scale = 1.0;
-  RTCDevice device = nullptr;
-  RTCScene scene = nullptr;
+const DistanceKernel& kernelFor(Simd simd) {
+  __builtin_cpu_init();
+  const bool avx2 = __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma");
+  const bool avx512 = avx2 && __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512vl") &&
+                      __builtin_cpu_supports("avx512dq") && __builtin_cpu_supports("avx512bw");
+  if (avx512 && (simd == Simd::automatic || simd == Simd::avx512)) return kAvx512Kernel;
+  if (avx2 && simd != Simd::portable) return kAvx2Kernel;
+  return kPortableKernel;
+}
 
-  QueryScene(const Mesh& mesh);
-  ~QueryScene() {
-    rtcReleaseScene(scene);
-    rtcReleaseDevice(device);
-  }
-  QueryScene(const QueryScene&) = delete;
-  QueryScene& operator=(const QueryScene&) = delete;
+/// Everything that the tiles of one call share.
+struct Job {
+  const Grid& grid;
+  const DistanceKernel& kernel;
+  KernelScene scene;
+  glm::ivec3 blocks;   // of the grid
+  glm::ivec3 lattice;  // corners of the blocks
+  std::vector<Witness> witnesses;
+  std::vector<float>& distance;
 };
 
-void triangleBounds(const RTCBoundsFunctionArguments* arguments) {
-  const auto& query = *static_cast<const QueryScene*>(arguments->geometryUserPtr);
-  const glm::uvec3 corners = query.triangles[arguments->primID];
-  const glm::dvec3 a = query.positions[corners.x];
-  const glm::dvec3 b = query.positions[corners.y];
-  const glm::dvec3 c = query.positions[corners.z];
-  const glm::vec3 low(glm::min(a, glm::min(b, c)) - kSlack);
-  const glm::vec3 high(glm::max(a, glm::max(b, c)) + kSlack);
-  *arguments->bounds_o = {low.x, low.y, low.z, 0.0f, high.x, high.y, high.z, 0.0f};
+std::size_t indexIn(const glm::ivec3& size, int x, int y, int z) {
+  return static_cast<std::size_t>(x) +
+         static_cast<std::size_t>(size.x) * (static_cast<std::size_t>(y) + static_cast<std::size_t>(size.y) * static_cast<std::size_t>(z));
 }
 
-void requireNoError(RTCDevice device) {
-  const RTCError error = rtcGetDeviceError(device);
-  OVERCAST_REQUIRE(error == RTC_ERROR_NONE, "Embree error {}", static_cast<int>(error));
+void findWitnesses(Job& job) {
+  job.witnesses.resize(static_cast<std::size_t>(job.lattice.x) * static_cast<std::size_t>(job.lattice.y) *
+                       static_cast<std::size_t>(job.lattice.z));
+  tbb::parallel_for(0, job.lattice.y * job.lattice.z, [&](int row) {
+    const int y = row % job.lattice.y;
+    const int z = row / job.lattice.y;
+    job.kernel.witnessRow(job.scene, static_cast<float>(kBlock * y), static_cast<float>(kBlock * z), job.lattice.x,
+                          &job.witnesses[indexIn(job.lattice, 0, y, z)]);
+  });
 }
 
-QueryScene::QueryScene(const Mesh& mesh) : triangles(mesh.triangles) {
-  OVERCAST_REQUIRE(!mesh.triangles.empty(), "distance to a mesh without triangles");
-  glm::dvec3 low(std::numeric_limits<double>::max());
-  glm::dvec3 high(std::numeric_limits<double>::lowest());
-  for (const glm::uvec3& corners : triangles) {
-    for (int k = 0; k < 3; ++k) {
-      low = glm::min(low, mesh.positions[corners[k]]);
-      high = glm::max(high, mesh.positions[corners[k]]);
-    }
-  }
-  centre = 0.5 * (low + high);
-  const double size = glm::length(high - low);
-  scale = size > 0.0 ? std::exp2(-std::ceil(std::log2(size))) : 1.0;
-  positions.reserve(mesh.positions.size());
-  for (const glm::dvec3& position : mesh.positions) positions.push_back((position - centre) * scale);
-
-  device = rtcNewDevice(nullptr);
-  scene = rtcNewScene(device);
-  const RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_USER);
-  rtcSetGeometryUserPrimitiveCount(geometry, static_cast<unsigned>(triangles.size()));
-  rtcSetGeometryUserData(geometry, this);
-  rtcSetGeometryBoundsFunction(geometry, triangleBounds, nullptr);
-  rtcCommitGeometry(geometry);
-  rtcAttachGeometry(scene, geometry);
-  rtcReleaseGeometry(geometry);
-  rtcCommitScene(scene);
-  requireNoError(device);
-}
-
-/// One running query: the point in double and the nearest squared distance so far.
-struct Nearest {
-  const QueryScene& scene;
-  glm::dvec3 point;
-  double squared;
-};
-
-float searchRadius(const Nearest& nearest) {
-  const double distance = std::sqrt(nearest.squared);
-  return static_cast<float>(distance + kSlack * (1.0 + distance + glm::length(nearest.point)));
-}
-
-bool visitTriangle(RTCPointQueryFunctionArguments* arguments) {
-  auto& nearest = *static_cast<Nearest*>(arguments->userPtr);
-  const glm::uvec3 corners = nearest.scene.triangles[arguments->primID];
-  const auto& positions = nearest.scene.positions;
-  const double squared = squaredDistanceToTriangle(nearest.point, positions[corners.x], positions[corners.y], positions[corners.z]);
-  if (squared >= nearest.squared) return false;
-  nearest.squared = squared;
-  arguments->query->radius = searchRadius(nearest);
-  return true;
-}
-
-/// Distance in the scaled scene. `bound` is at least the distance: it saves work and cannot change the result.
-double nearestDistance(const QueryScene& scene, const glm::dvec3& scaledPoint, double bound) {
-  Nearest nearest{scene, scaledPoint, bound * bound};
-  const glm::vec3 point(scaledPoint);
-  RTCPointQuery query{point.x, point.y, point.z, 0.0f, searchRadius(nearest)};
-  nearest.squared = std::numeric_limits<double>::max();
-  RTCPointQueryContext context;
-  rtcInitPointQueryContext(&context);
-  rtcPointQuery(scene.scene, &query, &context, visitTriangle, &nearest);
-  return std::sqrt(nearest.squared);
-}
-
-/// A bound that holds for every triangle of the scene, which lies within half a unit of the origin.
-double anyBound(const glm::dvec3& scaledPoint) {
-  return glm::length(scaledPoint) + 1.0;
-}
-
-/// Samples [low, high) of one tile; neighbours along x are one voxel apart, so the last distance bounds the next.
-void fillTile(const QueryScene& scene, const Grid& grid, const glm::ivec3& low, const glm::ivec3& high, float* out) {
-  const double step = grid.voxelSize * scene.scale;
-  for (int z = low.z; z < high.z; ++z) {
-    for (int y = low.y; y < high.y; ++y) {
-      double bound = std::numeric_limits<double>::max();
-      for (int x = low.x; x < high.x; ++x) {
-        const glm::dvec3 point = (grid.origin - scene.centre) * scene.scale + step * glm::dvec3(x, y, z);
-        bound = std::min(bound + step, anyBound(point));
-        bound = nearestDistance(scene, point, bound);
-        const std::size_t row = static_cast<std::size_t>(y) + static_cast<std::size_t>(grid.size.y) * static_cast<std::size_t>(z);
-        out[static_cast<std::size_t>(x) + static_cast<std::size_t>(grid.size.x) * row] = static_cast<float>(bound / scene.scale);
-      }
+void fillBlock(Job& job, const glm::ivec3& block, KernelCounters& counters) {
+  const int first[3] = {kBlock * block.x, kBlock * block.y, kBlock * block.z};
+  const Witness* around[8];
+  for (int i = 0; i < 8; ++i)
+    around[i] = &job.witnesses[indexIn(job.lattice, block.x + (i & 1), block.y + (i >> 1 & 1), block.z + (i >> 2))];
+  alignas(64) float samples[kBlockSamples];
+  job.kernel.block(job.scene, first, around, samples, counters);
+  const glm::ivec3 end = glm::min(glm::ivec3(kBlock), job.grid.size - kBlock * block);
+  for (int z = 0; z < end.z; ++z) {
+    for (int y = 0; y < end.y; ++y) {
+      std::copy_n(samples + kBlock * (y + kBlock * z), end.x, &job.distance[indexIn(job.grid.size, first[0], first[1] + y, first[2] + z)]);
     }
   }
 }
@@ -144,32 +74,44 @@ std::uint64_t sampleCount(const Grid& grid) {
   return static_cast<std::uint64_t>(grid.size.x) * static_cast<std::uint64_t>(grid.size.y) * static_cast<std::uint64_t>(grid.size.z);
 }
 
-std::vector<float> unsignedDistance(const Mesh& mesh, const Grid& grid, const Progress& progress) {
-  const QueryScene scene(mesh);
+std::vector<float> unsignedDistance(const Mesh& mesh, const Grid& grid, const Progress& progress, Simd simd) {
+  OVERCAST_REQUIRE(!mesh.triangles.empty(), "distance to a mesh without triangles");
+  const Tree tree = buildTree(mesh, grid);
   std::vector<float> distance(sampleCount(grid));
-  const glm::ivec3 tiles = (grid.size + (kTile - 1)) / kTile;
+  const glm::ivec3 blocks = (grid.size + (kBlock - 1)) / kBlock;
+  Job job{grid,
+          kernelFor(simd),
+          {tree.nodes.data(),
+           tree.leaves.data(),
+           tree.triangles.data(),
+           tree.order.data(),
+           &mesh.positions[0].x,
+           &mesh.triangles[0].x,
+           tree.positionError,
+           {grid.origin.x, grid.origin.y, grid.origin.z},
+           grid.voxelSize},
+          blocks,
+          blocks + 1,
+          {},
+          distance};
+  findWitnesses(job);
+  const glm::ivec3 tiles = (blocks + (kTile - 1)) / kTile;
   const int tileCount = tiles.x * tiles.y * tiles.z;
   std::atomic<int> done = 0;
   std::atomic<bool> stopped = false;
   tbb::parallel_for(0, tileCount, [&](int tile) {
     if (stopped) return;
     const glm::ivec3 low = kTile * glm::ivec3(tile % tiles.x, tile / tiles.x % tiles.y, tile / (tiles.x * tiles.y));
-    fillTile(scene, grid, low, glm::min(low + kTile, grid.size), distance.data());
+    const glm::ivec3 high = glm::min(low + kTile, blocks);
+    KernelCounters counters;
+    for (int z = low.z; z < high.z; ++z) {
+      for (int y = low.y; y < high.y; ++y) {
+        for (int x = low.x; x < high.x; ++x) fillBlock(job, {x, y, z}, counters);
+      }
+    }
     if (progress && !progress(static_cast<double>(++done) / tileCount)) stopped = true;
   });
   if (stopped) return {};
-  return distance;
-}
-
-std::vector<double> distanceAt(const Mesh& mesh, std::span<const glm::dvec3> points) {
-  const QueryScene scene(mesh);
-  std::vector<double> distance(points.size());
-  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, points.size(), kPointTile), [&](const tbb::blocked_range<std::size_t>& range) {
-    for (std::size_t i = range.begin(); i < range.end(); ++i) {
-      const glm::dvec3 point = (points[i] - scene.centre) * scene.scale;
-      distance[i] = nearestDistance(scene, point, anyBound(point)) / scene.scale;
-    }
-  });
   return distance;
 }
 

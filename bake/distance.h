@@ -22,10 +22,15 @@ struct Grid {
 /// Samples in the grid.
 std::uint64_t sampleCount(const Grid& grid);
 
+/// Which instruction set computes. What the machine lacks is replaced by the next smaller one.
+enum class Simd { automatic, portable, avx2, avx512 };
+
 /// |phi| at every grid point, x fastest. Exact closest point on the triangles (degenerate ones count as their segment or point), relative
-/// error a few float ulps of the grid's diagonal. `mesh` has at least one triangle and finite positions. Runs on the calling TBB arena over
-/// fixed tiles: same bytes for any thread count. Stops early with an empty vector when `progress` says so.
-std::vector<float> unsignedDistance(const Mesh& mesh, const Grid& grid, const Progress& progress = {});
+/// error a few float ulps of the grid's diagonal: the nearest triangle is found in single floats, its distance taken in double. `mesh` has
+/// at least one triangle and finite positions. Runs on the calling TBB arena over fixed tiles: same bytes for any thread count, and for
+/// AVX2 and AVX-512; the portable variant rounds differently, so that another triangle may win a tie within those few ulps. Stops early
+/// with an empty vector when `progress` says so.
+std::vector<float> unsignedDistance(const Mesh& mesh, const Grid& grid, const Progress& progress = {}, Simd simd = Simd::automatic);
 
 /// The distance from each point (finite, anywhere) to the triangles of `mesh`, in double: for measuring errors. Relative error about 1e-12
 /// of the larger of distance and mesh diagonal. Runs on the calling TBB arena; same bytes for any thread count.

@@ -11,24 +11,11 @@
 
 #include <glm/geometric.hpp>
 
-#include "tests/reference/brute_distance.h"
+#include "tests/reference/distance.h"
+#include "tests/reference/shapes.h"
 
 namespace overcast {
 namespace {
-
-/// The cuboid with half extents `half`: twelve triangles.
-Mesh cuboid(const glm::dvec3& half) {
-  Mesh mesh;
-  for (int i = 0; i < 8; ++i) mesh.positions.push_back(half * glm::dvec3(i & 1 ? 1 : -1, i & 2 ? 1 : -1, i & 4 ? 1 : -1));
-  mesh.triangles = {{0, 2, 3}, {0, 3, 1}, {4, 5, 7}, {4, 7, 6}, {0, 1, 5}, {0, 5, 4},
-                    {2, 6, 7}, {2, 7, 3}, {0, 4, 6}, {0, 6, 2}, {1, 3, 7}, {1, 7, 5}};
-  return mesh;
-}
-
-double distanceToCuboid(const glm::dvec3& p, const glm::dvec3& half) {
-  const glm::dvec3 q = glm::abs(p) - half;
-  return std::abs(glm::length(glm::max(q, glm::dvec3(0.0))) + std::min(std::max({q.x, q.y, q.z}), 0.0));
-}
 
 /// Random triangles of very different sizes, some of them degenerate (a segment, a point).
 Mesh soup(int triangles, unsigned seed) {
@@ -71,16 +58,33 @@ double gridDiagonal(const Grid& grid) {
   return grid.voxelSize * glm::length(glm::dvec3(grid.size - 1));
 }
 
-/// Largest |unsignedDistance - truth| over the grid, in units of the grid's diagonal.
-template <class Truth>
-double worstError(const Mesh& mesh, const Grid& grid, const Truth& truth) {
-  const std::vector<float> distance = unsignedDistance(mesh, grid);
-  EXPECT_EQ(distance.size(), sampleCount(grid));
+std::vector<glm::dvec3> pointsOf(const Grid& grid) {
+  std::vector<glm::dvec3> points;
+  for (std::size_t i = 0; i < sampleCount(grid); ++i) points.push_back(pointOf(grid, i));
+  return points;
+}
+
+/// Largest |distance - truth|, in units of the grid's diagonal.
+double worstError(const Grid& grid, const std::vector<float>& distance, const std::vector<double>& truth) {
+  EXPECT_EQ(distance.size(), truth.size());
   double worst = 0.0;
-  for (std::size_t i = 0; i < distance.size(); ++i) {
-    worst = std::max(worst, std::abs(static_cast<double>(distance[i]) - truth(pointOf(grid, i))));
+  for (std::size_t i = 0; i < std::min(distance.size(), truth.size()); ++i) {
+    worst = std::max(worst, std::abs(static_cast<double>(distance[i]) - truth[i]));
   }
   return worst / gridDiagonal(grid);
+}
+
+/// The same against a closed form.
+template <class Truth>
+double worstError(const Mesh& mesh, const Grid& grid, const Truth& form) {
+  std::vector<double> truth;
+  for (const glm::dvec3& point : pointsOf(grid)) truth.push_back(form(point));
+  return worstError(grid, unsignedDistance(mesh, grid), truth);
+}
+
+/// The same against brute force.
+double worstError(const Mesh& mesh, const Grid& grid, Simd simd = Simd::automatic) {
+  return worstError(grid, unsignedDistance(mesh, grid, {}, simd), reference::distance(mesh, pointsOf(grid)));
 }
 
 // A float of the size of the diagonal is rounded to 6e-8 of it; the header allows a few of these.
@@ -89,7 +93,8 @@ constexpr double kFloatUlps = 2e-7;
 TEST(Distance, CuboidMatchesItsClosedForm) {
   const glm::dvec3 half(1.0, 0.5, 0.25);
   const Grid grid = gridAround(glm::dvec3(-1.7), glm::dvec3(1.6, 1.5, 1.4), 37);
-  EXPECT_LT(worstError(cuboid(half), grid, [&](const glm::dvec3& p) { return distanceToCuboid(p, half); }), kFloatUlps);
+  EXPECT_LT(worstError(reference::boxMesh(half), grid, [&](const glm::dvec3& p) { return std::abs(reference::boxDistance(p, half)); }),
+            kFloatUlps);
 }
 
 TEST(Distance, SinglePointSegmentAndTriangleMatchTheirClosedForms) {
@@ -108,7 +113,7 @@ TEST(Distance, SinglePointSegmentAndTriangleMatchTheirClosedForms) {
 TEST(Distance, SoupMatchesBruteForce) {
   const Mesh mesh = soup(400, 7);
   const Grid grid = gridAround(glm::dvec3(-1.8), glm::dvec3(2.2, 1.9, 1.7), 29);
-  EXPECT_LT(worstError(mesh, grid, [&](const glm::dvec3& p) { return reference::distanceToMesh(p, mesh); }), kFloatUlps);
+  EXPECT_LT(worstError(mesh, grid), kFloatUlps);
 }
 
 TEST(Distance, GridInsideAndFarBesideTheMeshMatchesBruteForce) {
@@ -116,7 +121,7 @@ TEST(Distance, GridInsideAndFarBesideTheMeshMatchesBruteForce) {
   for (const glm::dvec3& centre : {glm::dvec3(0.1, -0.2, 0.3), glm::dvec3(30.0, 5.0, -9.0), glm::dvec3(0.0, -400.0, 0.0)}) {
     const Grid grid = gridAround(centre - 0.1, centre + glm::dvec3(0.1, 0.15, 0.05), 13);
     const double allowed = kFloatUlps * (1.0 + glm::length(centre) / gridDiagonal(grid));
-    EXPECT_LT(worstError(mesh, grid, [&](const glm::dvec3& p) { return reference::distanceToMesh(p, mesh); }), allowed);
+    EXPECT_LT(worstError(mesh, grid), allowed);
   }
 }
 
@@ -126,8 +131,7 @@ TEST(Distance, HoldsAtAnyScaleAndFarFromTheOrigin) {
       const glm::dvec3 offset = scale * diagonals * glm::dvec3(2.0, -1.5, 1.0);
       const Mesh mesh = moved(soup(200, 3), scale, offset);
       const Grid grid = gridAround(offset - 1.5 * scale, offset + 1.5 * scale, 15);
-      EXPECT_LT(worstError(mesh, grid, [&](const glm::dvec3& p) { return reference::distanceToMesh(p, mesh); }), kFloatUlps)
-          << "scale " << scale << ", offset by " << diagonals << " diagonals";
+      EXPECT_LT(worstError(mesh, grid), kFloatUlps) << "scale " << scale << ", offset by " << diagonals << " diagonals";
     }
   }
 }
@@ -138,10 +142,41 @@ TEST(Distance, AnyGridShapeIsFilled) {
     const Grid grid{size, glm::dvec3(-0.9), 0.11};
     const std::vector<float> distance = unsignedDistance(mesh, grid);
     ASSERT_EQ(distance.size(), static_cast<std::size_t>(size.x * size.y * size.z));
-    for (std::size_t i = 0; i < distance.size(); ++i) {
-      EXPECT_NEAR(distance[i], reference::distanceToMesh(pointOf(grid, i), mesh), 1e-6) << "sample " << i;
-    }
+    const std::vector<double> truth = reference::distance(mesh, pointsOf(grid));
+    for (std::size_t i = 0; i < distance.size(); ++i) EXPECT_NEAR(distance[i], truth[i], 1e-6) << "sample " << i;
   }
+}
+
+TEST(Distance, EveryInstructionSetMatchesBruteForce) {
+  const Mesh mesh = soup(400, 17);
+  const Grid grid = gridAround(glm::dvec3(-1.8), glm::dvec3(1.8), 21);
+  for (const Simd simd : {Simd::portable, Simd::avx2, Simd::avx512}) {
+    EXPECT_LT(worstError(mesh, grid, simd), kFloatUlps) << "instruction set " << static_cast<int>(simd);
+  }
+  EXPECT_EQ(unsignedDistance(mesh, grid, {}, Simd::avx2), unsignedDistance(mesh, grid, {}, Simd::avx512));
+}
+
+TEST(Distance, TrianglesFarSmallerAndFarLargerThanAVoxelMatchBruteForce) {
+  const Mesh fine = reference::icosphere(1.0, 5);
+  EXPECT_LT(worstError(fine, gridAround(glm::dvec3(-1.4), glm::dvec3(1.3), 14)), kFloatUlps);
+  EXPECT_LT(worstError(reference::unwelded(fine), gridAround(glm::dvec3(-1.3), glm::dvec3(1.4), 10)), kFloatUlps);
+  const Mesh coarse = reference::icosphere(1.0, 1);
+  EXPECT_LT(worstError(coarse, gridAround(glm::dvec3(-1.4), glm::dvec3(1.3), 60)), kFloatUlps);
+  const Mesh torus = reference::torusMesh(1.0, 0.3, 200, 3);  // long thin triangles
+  EXPECT_LT(worstError(torus, gridAround(glm::dvec3(-1.4), glm::dvec3(1.4), 40)), kFloatUlps);
+}
+
+TEST(Distance, TrianglesThatMakeADeepTreeMatchBruteForce) {
+  Mesh mesh;
+  for (unsigned i = 0; i < 900; ++i) {  // each a bit smaller and nearer to the origin: splits by area would peel off one by one
+    const double size = std::pow(0.97, i);
+    for (const glm::dvec3& corner : {glm::dvec3(1.0, 0.0, 0.0), glm::dvec3(1.0, 0.01, 0.0), glm::dvec3(1.0, 0.0, 0.01)}) {
+      mesh.positions.push_back(size * corner);
+    }
+    mesh.triangles.push_back({3 * i, 3 * i + 1, 3 * i + 2});
+  }
+  for (int i = 0; i < 100; ++i) mesh.triangles.push_back(mesh.triangles.front());  // and equal centres
+  EXPECT_LT(worstError(mesh, gridAround(glm::dvec3(-0.1), glm::dvec3(1.1, 0.2, 0.2), 50)), kFloatUlps);
 }
 
 TEST(Distance, SameBytesForAnyThreadCount) {
@@ -157,7 +192,7 @@ TEST(Distance, SameBytesForAnyThreadCount) {
 }
 
 TEST(Distance, StopsWhenAsked) {
-  const Mesh mesh = cuboid(glm::dvec3(1.0));
+  const Mesh mesh = reference::boxMesh(glm::dvec3(1.0));
   const Grid grid = gridAround(glm::dvec3(-2.0), glm::dvec3(2.0), 32);
   EXPECT_TRUE(unsignedDistance(mesh, grid, [](double) { return false; }).empty());
   double last = 0.0;
@@ -178,9 +213,10 @@ RC_GTEST_PROP(Distance, AtPointsMatchesBruteForceInDouble, (unsigned seed)) {
   for (int i = 0; i < 40; ++i) points.push_back(std::pow(10.0, i % 4 - 1) * glm::dvec3(normal(random), normal(random), normal(random)));
   points.push_back(mesh.positions[0]);
   const std::vector<double> distance = distanceAt(mesh, points);
+  const std::vector<double> truth = reference::distance(mesh, points);
   RC_ASSERT(distance.size() == points.size());
   for (std::size_t i = 0; i < points.size(); ++i) {
-    RC_ASSERT(std::abs(distance[i] - reference::distanceToMesh(points[i], mesh)) <= 1e-11 * (1.0 + distance[i]));
+    RC_ASSERT(std::abs(distance[i] - truth[i]) <= 1e-11 * (1.0 + distance[i]));
   }
 }
 

@@ -1,0 +1,7 @@
+#include "bake/distance_kernel.inl"
+
+namespace overcast {
+
+const DistanceKernel kPortableKernel = {"portable", portable::witnessRow, portable::fillBlock};
+
+}  // namespace overcast
