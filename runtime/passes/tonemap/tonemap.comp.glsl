@@ -1,0 +1,34 @@
+#version 460
+#include "runtime/passes/tonemap/tonemap.h"
+
+layout(local_size_x = 8, local_size_y = 8) in;
+layout(push_constant) uniform Push { TonemapPush push; };
+layout(binding = 0) uniform sampler2D radiance;  // rgb: radiance, a: sky visibility
+layout(binding = 1) uniform sampler2D depth;
+layout(binding = 2, rgba32f) writeonly uniform image2D resolved;
+layout(binding = 3, rgba8) writeonly uniform image2D display;
+
+void main() {
+  const ivec2 pixel = ivec2(gl_GlobalInvocationID.xy);
+  if (pixel.x >= push.size.x || pixel.y >= push.size.y) return;
+  const int side = push.size.z;
+  vec4 sum = vec4(0.0);
+  for (int y = 0; y < side; ++y) {
+    for (int x = 0; x < side; ++x) {
+      const ivec2 texel = pixel * side + ivec2(x, y);
+      if (texelFetch(depth, texel, 0).x > 0.0) {
+        sum += texelFetch(radiance, texel, 0);
+        continue;
+      }
+      const vec2 place = (vec2(texel) + 0.5) / vec2(push.size.xy * side);
+      const vec3 ray = push.cornerRay.xyz + place.x * push.rightRay.xyz + place.y * push.downRay.xyz;
+      sum += vec4(backdrop(push.sky.rgb, dot(normalize(ray), push.up.xyz)), 1.0);
+    }
+  }
+  const vec4 mean = sum / float(side * side);
+  imageStore(resolved, pixel, mean);
+  const vec3 shown = toneCurve(max(mean.rgb, 0.0) * push.sky.w);
+  const float threshold = ditherThreshold(pixel.x, pixel.y);
+  imageStore(display, pixel, vec4(quantise(encodeSrgb(shown.r), threshold), quantise(encodeSrgb(shown.g), threshold),
+                                  quantise(encodeSrgb(shown.b), threshold), 1.0));
+}

@@ -1,0 +1,108 @@
+#include "runtime/passes/tonemap/tonemap_pass.h"
+
+#include <cstddef>
+
+namespace overcast {
+namespace {
+
+using shared::TonemapPush;
+
+static_assert(sizeof(TonemapPush) == 96 && offsetof(TonemapPush, sky) == 48 && offsetof(TonemapPush, size) == 80);
+
+constexpr std::uint32_t kGroupSide = 8;
+constexpr Access kResult{VK_PIPELINE_STAGE_2_ALL_TRANSFER_BIT, VK_ACCESS_2_TRANSFER_READ_BIT, VK_IMAGE_LAYOUT_GENERAL};
+
+Result<GpuImage> makeResult(const Device& device, VkExtent3D extent, VkFormat format) {
+  ImageSettings settings;
+  settings.extent = extent;
+  settings.format = format;
+  settings.usage = VK_IMAGE_USAGE_STORAGE_BIT;
+  return makeImage(device, settings);
+}
+
+Result<Done> fillPass(const Device& device, TonemapPass& pass, VkExtent3D extent) {
+  ComputeSettings settings;
+  settings.shader = {"runtime/passes/tonemap/tonemap.comp.glsl", {}};
+  settings.bindings = {{0, VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER},
+                       {1, VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER},
+                       {2, VK_DESCRIPTOR_TYPE_STORAGE_IMAGE},
+                       {3, VK_DESCRIPTOR_TYPE_STORAGE_IMAGE}};
+  settings.pushBytes = sizeof(TonemapPush);
+  Result<Pipeline> pipeline = makeComputePipeline(device, settings);
+  if (!pipeline) return pipeline.error();
+  pass.pipeline = std::move(pipeline).value();
+  Result<DescriptorSet> set = makeDescriptorSet(device, pass.pipeline);
+  if (!set) return set.error();
+  pass.set = std::move(set).value();
+  Result<GpuImage> resolved = makeResult(device, extent, VK_FORMAT_R32G32B32A32_SFLOAT);
+  if (!resolved) return resolved.error();
+  pass.resolved = std::move(resolved).value();
+  Result<GpuImage> display = makeResult(device, extent, VK_FORMAT_R8G8B8A8_UNORM);
+  if (!display) return display.error();
+  pass.display = std::move(display).value();
+  const Result<VkSampler> sampler = makeSampler(device, VK_FILTER_NEAREST);
+  if (!sampler) return sampler.error();
+  pass.sampler = sampler.value();
+  return Done{};
+}
+
+}  // namespace
+
+Result<TonemapPass> makeTonemapPass(const Device& device, const GpuImage& radiance, VkImageLayout radianceLayout, const GpuImage& depth,
+                                    int samplesPerSide) {
+  const auto side = static_cast<std::uint32_t>(samplesPerSide);
+  const VkExtent3D& full = radiance.extent;
+  OVERCAST_REQUIRE(samplesPerSide > 0 && full.width % side == 0 && full.height % side == 0, "{}x{} by {}", full.width, full.height, side);
+  TonemapPass pass;
+  pass.samplesPerSide = samplesPerSide;
+  const Result<Done> filled = fillPass(device, pass, {full.width / side, full.height / side, 1});
+  if (!filled) {
+    destroyTonemapPass(device, pass);
+    return filled.error();
+  }
+  writeSampledImage(device, pass.set, 0, radiance.view, pass.sampler, radianceLayout);
+  writeSampledImage(device, pass.set, 1, depth.view, pass.sampler);
+  writeStorageImage(device, pass.set, 2, pass.resolved.mipViews[0]);
+  writeStorageImage(device, pass.set, 3, pass.display.mipViews[0]);
+  return pass;
+}
+
+void destroyTonemapPass(const Device& device, TonemapPass& pass) {
+  vkDestroySampler(device.device, pass.sampler, nullptr);
+  destroyImage(device, pass.resolved);
+  destroyImage(device, pass.display);
+  destroyDescriptorSet(device, pass.set);
+  destroyPipeline(device, pass.pipeline);
+  pass = {};
+}
+
+void recordTonemap(VkCommandBuffer commands, const TonemapPass& pass, const TonemapView& view) {
+  const auto width = static_cast<int>(pass.display.extent.width);
+  const auto height = static_cast<int>(pass.display.extent.height);
+  // The images are written whole, so what they held before may be lost; but its readers must be done.
+  Access before = kResult;
+  before.layout = VK_IMAGE_LAYOUT_UNDEFINED;
+  for (const GpuImage* image : {&pass.resolved, &pass.display}) transition(commands, *image, before, kComputeWrite);
+  bind(commands, pass.pipeline, pass.set);
+  push(commands, pass.pipeline, tonemapPush(view, width, height, pass.samplesPerSide));
+  vkCmdDispatch(commands, groups(pass.display.extent.width, kGroupSide), groups(pass.display.extent.height, kGroupSide), 1);
+  for (const GpuImage* image : {&pass.resolved, &pass.display}) transition(commands, *image, kComputeWrite, kResult);
+}
+
+shared::TonemapPush tonemapPush(const TonemapView& view, int width, int height, int samplesPerSide) {
+  // Reversed depth: 1 is the near plane, where positions relative to the eye are directions.
+  const auto ray = [&](float x, float y) {
+    const glm::vec4 point = view.relativeFromClip * glm::vec4(x, y, 1.0f, 1.0f);
+    return glm::vec4(glm::vec3(point) / point.w, 0.0f);
+  };
+  TonemapPush constants;
+  constants.cornerRay = ray(-1.0f, -1.0f);
+  constants.rightRay = ray(1.0f, -1.0f) - constants.cornerRay;
+  constants.downRay = ray(-1.0f, 1.0f) - constants.cornerRay;
+  constants.sky = glm::vec4(view.skyColour, view.exposure);
+  constants.up = glm::vec4(view.up, 0.0f);
+  constants.size = glm::ivec4(width, height, samplesPerSide, 0);
+  return constants;
+}
+
+}  // namespace overcast

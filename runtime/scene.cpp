@@ -1,0 +1,141 @@
+#include "runtime/scene.h"
+
+#include <algorithm>
+#include <map>
+
+#include "formats/files.h"
+
+namespace overcast {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::string nodePlace(const Scene& scene, std::size_t node) {
+  const std::string& name = scene.nodes[node].name;
+  return name.empty() ? fmt::format("nodes/{}", node) : fmt::format("node '{}'", name);
+}
+
+/// The objects of the scene and the volume files they need, each once. Meshes without triangles are no objects.
+Result<std::vector<std::uint32_t>> collectObjects(const fs::path& path, RuntimeScene& scene) {
+  std::map<std::string, std::uint32_t> volumeByUri;
+  std::vector<std::uint32_t> volumeNodes;
+  for (std::size_t i = 0; i < scene.scene.nodes.size(); ++i) {
+    const Node& node = scene.scene.nodes[i];
+    if (node.mesh < 0 || scene.scene.meshes[static_cast<std::size_t>(node.mesh)].triangles.empty()) continue;
+    if (!node.occluder)
+      return Error{path.string(), nodePlace(scene.scene, i), "has a mesh but no occluder: bake the scene first with overcast-bake"};
+    const auto [entry, fresh] = volumeByUri.emplace(node.occluder->uri, static_cast<std::uint32_t>(volumeNodes.size()));
+    if (fresh) volumeNodes.push_back(static_cast<std::uint32_t>(i));
+    scene.objects.push_back({static_cast<std::uint32_t>(i), static_cast<std::uint32_t>(node.mesh), entry->second});
+  }
+  std::stable_sort(scene.objects.begin(), scene.objects.end(), [](const auto& a, const auto& b) { return a.mesh < b.mesh; });
+  return volumeNodes;
+}
+
+Result<Volume> loadVolume(const fs::path& scenePath, const Occluder& occluder) {
+  const Result<fs::path> path = resolveInside(scenePath.parent_path(), occluder.uri);
+  if (!path) return path.error();
+  {
+    const Result<std::vector<std::byte>> bytes = readFile(path.value());
+    if (!bytes) return bytes.error();
+    const std::string hash = contentHash(bytes.value());
+    if (hash != occluder.contentHash)
+      return Error{path.value().string(), "",
+                   fmt::format("its content hash is {}, but {} was baked with {}: bake the scene again", hash,
+                               scenePath.filename().string(), occluder.contentHash)};
+  }
+  return readVolume(path.value());
+}
+
+/// The vertices and indices of all meshes that objects use.
+struct Geometry {
+  std::vector<float> vertices;
+  std::vector<std::uint32_t> indices;
+};
+
+void appendMesh(const Scene& scene, const Mesh& mesh, Geometry& geometry, SceneMesh& out) {
+  out.centre = centre(bounds(mesh));
+  const auto vertexOffset = static_cast<std::int32_t>(geometry.vertices.size() / shared::kVertexFloats);
+  for (std::size_t i = 0; i < mesh.positions.size(); ++i) {
+    const glm::vec3 position(mesh.positions[i] - out.centre);
+    const glm::vec3 normal = mesh.normals.empty() ? glm::vec3(0.0f) : mesh.normals[i];
+    geometry.vertices.insert(geometry.vertices.end(), {position.x, position.y, position.z, normal.x, normal.y, normal.z});
+  }
+  for (const MeshPart& part : mesh.parts) {
+    GeometryDraw draw;
+    draw.firstIndex = static_cast<std::uint32_t>(geometry.indices.size() + std::size_t{3} * part.firstTriangle);
+    draw.indexCount = 3 * part.triangleCount;
+    draw.vertexOffset = vertexOffset;
+    draw.baseColour = part.material < 0 ? Material{}.baseColour : scene.materials[static_cast<std::size_t>(part.material)].baseColour;
+    out.parts.push_back(draw);
+  }
+  for (const glm::uvec3& triangle : mesh.triangles) geometry.indices.insert(geometry.indices.end(), {triangle.x, triangle.y, triangle.z});
+}
+
+Result<Done> uploadMeshes(const Device& device, const fs::path& path, RuntimeScene& scene) {
+  Geometry geometry;
+  scene.meshes.resize(scene.scene.meshes.size());
+  std::uint64_t vertexBytes = 0;
+  std::uint64_t triangles = 0;
+  std::vector<bool> used(scene.meshes.size(), false);
+  for (const SceneObject& object : scene.objects) used[object.mesh] = true;
+  for (std::size_t i = 0; i < used.size(); ++i) {
+    vertexBytes += used[i] ? scene.scene.meshes[i].positions.size() * shared::kVertexFloats * sizeof(float) : 0;
+    triangles += used[i] ? scene.scene.meshes[i].triangles.size() : 0;
+  }
+  const std::uint64_t most = device.properties.limits.maxStorageBufferRange;
+  if (vertexBytes > most || triangles > UINT32_MAX / 3)
+    return Error{path.string(), "",
+                 fmt::format("{} bytes of vertices and {} triangles are more than {} can hold in one buffer ({} bytes)", vertexBytes,
+                             triangles, device.info.name, most)};
+  for (std::size_t i = 0; i < used.size(); ++i) {
+    Mesh& mesh = scene.scene.meshes[i];
+    if (used[i]) appendMesh(scene.scene, mesh, geometry, scene.meshes[i]);
+    mesh = Mesh{mesh.name, {}, {}, {}, {}};
+  }
+  const Result<GpuBuffer> vertices =
+      makeBufferWith(device, std::as_bytes(std::span(geometry.vertices)), VK_BUFFER_USAGE_STORAGE_BUFFER_BIT);
+  if (!vertices) return vertices.error();
+  scene.vertices = vertices.value();
+  const Result<GpuBuffer> indices = makeBufferWith(device, std::as_bytes(std::span(geometry.indices)), VK_BUFFER_USAGE_INDEX_BUFFER_BIT);
+  if (!indices) return indices.error();
+  scene.indices = indices.value();
+  return Done{};
+}
+
+Result<Done> fillScene(const Device& device, const fs::path& path, RuntimeScene& scene) {
+  Result<Scene> read = readScene(path);
+  if (!read) return read.error();
+  scene.scene = std::move(read).value();
+  scene.lighting = scene.scene.lighting.value_or(Lighting{});
+  scene.bounds = worldBounds(scene.scene);
+  const Result<std::vector<std::uint32_t>> volumeNodes = collectObjects(path, scene);
+  if (!volumeNodes) return volumeNodes.error();
+  if (scene.objects.empty()) return Error{path.string(), "", "there is no mesh to show"};
+  for (const std::uint32_t node : volumeNodes.value()) {
+    Result<Volume> volume = loadVolume(path, *scene.scene.nodes[node].occluder);
+    if (!volume) return volume.error();
+    scene.volumes.push_back(std::move(volume).value());
+  }
+  return uploadMeshes(device, path, scene);
+}
+
+}  // namespace
+
+Result<RuntimeScene> loadScene(const Device& device, const std::filesystem::path& path) {
+  RuntimeScene scene;
+  const Result<Done> filled = fillScene(device, path, scene);
+  if (!filled) {
+    destroyScene(device, scene);
+    return filled.error();
+  }
+  return scene;
+}
+
+void destroyScene(const Device& device, RuntimeScene& scene) {
+  destroyBuffer(device, scene.vertices);
+  destroyBuffer(device, scene.indices);
+  scene = {};
+}
+
+}  // namespace overcast

@@ -1,0 +1,49 @@
+// RuntimeScene: a baked scene opened for playing: meshes on the device, distance volumes, and what moves.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <vector>
+
+#include <glm/mat4x4.hpp>
+#include <glm/vec3.hpp>
+
+#include "formats/scene.h"
+#include "formats/volume.h"
+#include "runtime/passes/geometry/geometry_pass.h"
+#include "runtime/vulkan/device.h"
+#include "runtime/vulkan/resources.h"
+
+namespace overcast {
+
+/// One mesh in the shared buffers. Vertices are stored relative to `centre`, so that single floats keep their detail.
+struct SceneMesh {
+  glm::dvec3 centre{0.0};           ///< local space
+  std::vector<GeometryDraw> parts;  ///< indices, vertex offset and base colour; the instances are the frame's business
+};
+
+/// One node with a mesh and an occluder.
+struct SceneObject {
+  std::uint32_t node = 0;
+  std::uint32_t mesh = 0;
+  std::uint32_t volume = 0;  ///< index into RuntimeScene::volumes; nodes that name the same file share it
+};
+
+struct RuntimeScene {
+  Scene scene;  ///< as read; its meshes' triangles and positions are freed once they are on the device
+  Lighting lighting;
+  Box bounds;  ///< world space, over the whole animation
+  std::vector<SceneMesh> meshes;
+  std::vector<Volume> volumes;
+  std::vector<SceneObject> objects;  ///< ordered by mesh, then by node
+  GpuBuffer vertices;                ///< shared::kVertexFloats floats each
+  GpuBuffer indices;                 ///< uint32
+};
+
+/// Reads a baked scene, its volumes (content hashes checked) and puts its meshes on the device. Errors name the file: not a scene, a mesh
+/// node without an occluder (the scene was not baked: says to run overcast-bake), a volume that is missing, changed or broken, more
+/// geometry than the device can hold.
+Result<RuntimeScene> loadScene(const Device& device, const std::filesystem::path& path);
+void destroyScene(const Device& device, RuntimeScene& scene);
+
+}  // namespace overcast
