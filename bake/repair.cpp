@@ -182,8 +182,13 @@ std::uint64_t countComponents(const std::vector<glm::uvec3>& triangles) {
   forEachEdge(edgeUses(triangles), [&](auto first, auto last) {
     for (auto use = first + 1; use != last; ++use) sets.join(first->triangle, use->triangle);
   });
+  std::vector<char> counted(triangles.size(), 0);
   std::uint64_t count = 0;
-  for (std::uint32_t i = 0; i < triangles.size(); ++i) count += !isCollapsed(triangles[i]) && sets.find(i) == i;
+  for (std::uint32_t i = 0; i < triangles.size(); ++i) {
+    if (isCollapsed(triangles[i]) || counted[sets.find(i)]) continue;
+    counted[sets.find(i)] = 1;
+    ++count;
+  }
   return count;
 }
 

@@ -22,7 +22,7 @@ struct SignField {
 /// and comes from signed crossings of the grid's rows with exact predicates (simulation of simplicity). A mesh with boundary edges is
 /// closed by a fill surface first; w is the crossings of both less the fill's own winding number, which is smooth away from the boundary
 /// and comes from a tree (bake/winding.h). Holds on self-intersecting, overlapping and inside-out closed meshes; exact up to rounding
-/// vertices by 2^-24 of a voxel (grids of 32; 2^-19 for 1024) and, where there is a boundary, to about 1e-4 in w. `mesh` is welded
+/// vertices by 2^-24 of a voxel (grids of 32; 2^-19 for 1024) and, where there is a boundary, to about 1e-3 in w. `mesh` is welded
 /// and consistently oriented where that is possible (bake/repair.h) and lies within 2^27 voxels of the grid. Same bytes for any thread
 /// count. Stops early with an empty `inside` when `progress` says so.
 SignField signField(const Mesh& mesh, const Grid& grid, const Progress& progress = {});
