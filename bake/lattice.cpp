@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include <glm/common.hpp>
+
 namespace overcast {
 
 Lattice snap(const Mesh& mesh, const Grid& grid) {
@@ -14,13 +16,12 @@ Lattice snap(const Mesh& mesh, const Grid& grid) {
   Lattice lattice;
   lattice.unit = std::int64_t{1} << bits;
   lattice.points.reserve(mesh.positions.size());
-  for (const glm::dvec3& p : mesh.positions) {
-    glm::ivec3 q;
-    for (int axis = 0; axis < 3; ++axis)
-      q[axis] = static_cast<int>(std::llround((p[axis] - grid.origin[axis]) / grid.voxelSize * static_cast<double>(lattice.unit)));
-    lattice.points.push_back(q);
-  }
+  for (const glm::dvec3& p : mesh.positions) lattice.points.push_back(snapPoint(lattice, grid, p));
   return lattice;
+}
+
+glm::ivec3 snapPoint(const Lattice& lattice, const Grid& grid, const glm::dvec3& point) {
+  return glm::ivec3(glm::round((point - grid.origin) / grid.voxelSize * static_cast<double>(lattice.unit)));
 }
 
 }  // namespace overcast

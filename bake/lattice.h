@@ -22,6 +22,9 @@ struct Lattice {
 /// `mesh` lies within 2^27 voxels of the grid's origin.
 Lattice snap(const Mesh& mesh, const Grid& grid);
 
+/// One more point of the grid's box or the mesh's in units of `lattice`.
+glm::ivec3 snapPoint(const Lattice& lattice, const Grid& grid, const glm::dvec3& point);
+
 __extension__ typedef __int128 Int128;
 
 /// Twice the signed area of (a, b, c) seen along -x, in the plane (y, z): the x component of (b - a) x (c - a).

@@ -192,4 +192,15 @@ SignField signField(const Mesh& mesh, const Grid& grid, const Progress& progress
   return result;
 }
 
+std::vector<double> windingAt(const Mesh& mesh, const Grid& grid, std::span<const glm::dvec3> points) {
+  const Lattice lattice = snap(mesh, grid);
+  const WindingTree tree = windingTree(lattice.points, mesh.triangles);
+  std::vector<double> winding(points.size(), 0.0);
+  tbb::parallel_for(std::size_t{0}, points.size(), [&](std::size_t i) {
+    const glm::ivec3 point = snapPoint(lattice, grid, points[i]);
+    addWinding(tree, lattice.points, {&point, 1}, kTolerance, {&winding[i], 1});
+  });
+  return winding;
+}
+
 }  // namespace overcast

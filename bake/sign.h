@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -26,5 +27,9 @@ struct SignField {
 /// and consistently oriented where that is possible (bake/repair.h) and lies within 2^27 voxels of the grid. Same bytes for any thread
 /// count. Stops early with an empty `inside` when `progress` says so.
 SignField signField(const Mesh& mesh, const Grid& grid, const Progress& progress = {});
+
+/// The winding number of `mesh` at points within the grid's box, for measuring: from a tree over the mesh's own triangles, another way
+/// than signField takes (no rows, no fill, no crossings). Error about 1e-3. Runs on the calling TBB arena; same bytes for any thread count.
+std::vector<double> windingAt(const Mesh& mesh, const Grid& grid, std::span<const glm::dvec3> points);
 
 }  // namespace overcast

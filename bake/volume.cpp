@@ -1,1 +1,150 @@
 #include "bake/volume.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <span>
+
+#include <glm/common.hpp>
+
+#include "bake/sign.h"
+
+namespace overcast {
+namespace {
+
+Error failure(std::string reason) {
+  return Error{"", "", std::move(reason)};
+}
+
+/// SplitMix64 (Steele, Lea, Flood 2014) of a counter: the same number whichever thread asks.
+double uniform(std::uint64_t seed, std::uint64_t counter) {
+  std::uint64_t z = seed * 0xd1342543de82ef95u + (counter + 1) * 0x9e3779b97f4a7c15u;
+  z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;
+  z = (z ^ (z >> 27)) * 0x94d049bb133111ebu;
+  return static_cast<double>((z ^ (z >> 31)) >> 11) * 0x1p-53;
+}
+
+/// Samples nearest to the points that lie further than a tenth of a voxel from the surface on the wrong side. Samples and not the points
+/// themselves: between samples the interpolant of even a perfect volume crosses the edges of a mesh.
+std::uint64_t countSignErrors(const Volume& volume, const Mesh& mesh, const Grid& grid, std::span<const glm::dvec3> points) {
+  std::vector<glm::dvec3> positions;
+  std::vector<float> distances;
+  for (const glm::dvec3& point : points) {
+    const glm::ivec3 sample(glm::round((point - volume.origin) / volume.voxelSize));
+    positions.push_back(volume.origin + volume.voxelSize * glm::dvec3(sample));
+    distances.push_back(volume.distance[sampleIndex(volume, sample.x, sample.y, sample.z)]);
+  }
+  const std::vector<double> winding = windingAt(mesh, grid, positions);
+  std::uint64_t count = 0;
+  for (std::size_t i = 0; i < positions.size(); ++i)
+    count += std::abs(distances[i]) > 0.1 * volume.voxelSize && (distances[i] < 0.0f) != (std::abs(winding[i]) > 0.5);
+  return count;
+}
+
+MeasuredError measure(const Volume& volume, const Mesh& mesh, const Grid& grid, const VolumeSettings& settings) {
+  const Box box = bounds(volume);
+  std::vector<glm::dvec3> points;
+  points.reserve(settings.errorSamples);
+  for (std::uint64_t i = 0; i < settings.errorSamples; ++i) {
+    const glm::dvec3 share(uniform(settings.seed, 3 * i), uniform(settings.seed, 3 * i + 1), uniform(settings.seed, 3 * i + 2));
+    points.push_back(box.min + share * extent(box));
+  }
+  const std::vector<double> distance = distanceAt(mesh, points);
+  const std::vector<double> winding = windingAt(mesh, grid, points);
+  MeasuredError error;
+  error.samples = settings.errorSamples;
+  error.seed = settings.seed;
+  double squares = 0.0;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const double exact = std::abs(winding[i]) > 0.5 ? -distance[i] : distance[i];
+    const double difference = sampleVolume(volume, points[i]) - exact;
+    error.max = std::max(error.max, std::abs(difference));
+    squares += difference * difference;
+  }
+  if (!points.empty()) error.rms = std::sqrt(squares / static_cast<double>(points.size()));
+  error.signErrors = countSignErrors(volume, mesh, grid, points);
+  return error;
+}
+
+/// The caller's progress over the share `from` .. `to` of the whole.
+Progress part(const Progress& whole, double from, double to) {
+  if (!whole) return {};
+  return [whole, from, to](double share) { return whole(from + share * (to - from)); };
+}
+
+Result<Done> checkSettings(const VolumeSettings& settings) {
+  if (settings.voxelSize == 0.0 && (settings.resolution < kMinResolution || settings.resolution > kMaxResolution))
+    return failure(fmt::format("resolution {} is outside {} to {}", settings.resolution, kMinResolution, kMaxResolution));
+  if (!(settings.voxelSize >= 0.0) || !std::isfinite(settings.voxelSize))
+    return failure(fmt::format("voxel size {} is not a positive number", settings.voxelSize));
+  if (!(settings.padding >= 0.0) || settings.padding > kMaxVolumeSide)
+    return failure(fmt::format("padding of {} voxels is outside 0 to {}", settings.padding, kMaxVolumeSide));
+  if (settings.voxelSize == 0.0 && 2.0 * settings.padding + 2.0 > settings.resolution)
+    return failure(fmt::format("padding of {} voxels leaves no room at resolution {}", settings.padding, settings.resolution));
+  return Done{};
+}
+
+}  // namespace
+
+Result<Grid> volumeGrid(const Box& box, const VolumeSettings& settings) {
+  if (const Result<Done> checked = checkSettings(settings); !checked) return checked.error();
+  if (isEmpty(box)) return failure("mesh has no triangle");
+  const glm::dvec3 size = extent(box);
+  const double longest = std::max({size.x, size.y, size.z});
+  if (!std::isfinite(longest)) return failure("mesh has vertices that are not finite");
+  if (longest == 0.0) return failure("mesh has no extent: all its vertices are in one place");
+
+  Grid grid;
+  grid.voxelSize = settings.voxelSize > 0.0 ? settings.voxelSize : longest / (settings.resolution - 1 - 2.0 * settings.padding);
+  // Distances are single floats: their steps must resolve a voxel, and the box must not overflow them.
+  if (grid.voxelSize < 1e6 * double{std::numeric_limits<float>::min()})
+    return failure(fmt::format("mesh is too small ({:.3g} units)", longest));
+  if (longest > 0.1 * double{std::numeric_limits<float>::max()}) return failure(fmt::format("mesh is too large ({:.3g} units)", longest));
+  for (int axis = 0; axis < 3; ++axis) {
+    // A hair less than exact, so that rounding cannot add a sample to the side that fits.
+    const double cells = std::max(std::ceil(size[axis] / grid.voxelSize + 2.0 * settings.padding - 1e-9), 1.0);
+    if (cells + 1.0 > kMaxVolumeSide)
+      return failure(fmt::format("voxel size {:.3g} gives {:.0f} samples along one side, at most {} are allowed", grid.voxelSize,
+                                 cells + 1.0, kMaxVolumeSide));
+    grid.size[axis] = static_cast<int>(cells) + 1;
+  }
+  grid.origin = centre(box) - 0.5 * grid.voxelSize * glm::dvec3(grid.size - 1);
+  return grid;
+}
+
+Result<BakedVolume> bakeVolume(const Mesh& mesh, const VolumeSettings& settings, const Progress& progress) {
+  const Box box = bounds(mesh);
+  if (const Result<Grid> checked = volumeGrid(box, settings); !checked) return checked.error();
+  const glm::dvec3 middle = centre(box);
+  Mesh centred;
+  centred.name = mesh.name;
+  centred.triangles = mesh.triangles;
+  centred.positions.reserve(mesh.positions.size());
+  // Vertices that no triangle uses may lie anywhere: they must not reach the lattice of the sign.
+  for (const glm::dvec3& p : mesh.positions) centred.positions.push_back(glm::clamp(p, box.min, box.max) - middle);
+  RepairedMesh repaired = repair(centred);
+  const Grid grid = volumeGrid(bounds(repaired.mesh), settings).value();
+
+  BakedVolume baked;
+  baked.found = repaired.found;
+  Volume& volume = baked.volume;
+  volume.size = grid.size;
+  volume.origin = grid.origin;
+  volume.voxelSize = grid.voxelSize;
+  volume.distance = unsignedDistance(repaired.mesh, grid, part(progress, 0.0, 0.7));
+  if (volume.distance.empty()) return failure("interrupted");
+  const SignField sign = signField(repaired.mesh, grid, part(progress, 0.7, 0.9));
+  if (sign.inside.empty()) return failure("interrupted");
+  for (std::size_t i = 0; i < volume.distance.size(); ++i)
+    if (sign.inside[i]) volume.distance[i] = -volume.distance[i];
+  volume.signMethod = sign.method;
+  baked.ambiguousSign = sign.ambiguous;
+  volume = asStored(std::move(volume), settings.bits);
+  if (!isWhole(volume)) return failure("distances do not fit the chosen precision; take single floats");
+  baked.error = measure(volume, repaired.mesh, grid, settings);
+  volume.origin += middle;
+  if (progress && !progress(1.0)) return failure("interrupted");
+  return baked;
+}
+
+}  // namespace overcast

@@ -15,7 +15,7 @@ enum class Representation { volume };
 struct MeasuredError {
   double max = 0.0;              ///< largest |phi - exact|, local units
   double rms = 0.0;              ///< root mean square of phi - exact, local units
-  std::uint64_t signErrors = 0;  ///< points further than a tenth of a voxel from the surface whose sign is wrong
+  std::uint64_t signErrors = 0;  ///< samples nearest to the points, over a tenth of a voxel from the surface, of wrong sign
   std::uint64_t samples = 0;     ///< number of points
   std::uint64_t seed = 0;        ///< seed of their positions
 };

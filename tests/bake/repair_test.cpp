@@ -1,31 +1,26 @@
 #include "bake/repair.h"
 
 #include <chrono>
+#include <random>
 
 #include <gtest/gtest.h>
 
 #include "tests/bake/test_meshes.h"
+#include "tests/reference/shapes.h"
 
 namespace overcast {
 namespace {
 
 using namespace test;
+using reference::insideOut;
+using reference::joined;
+using reference::torusMesh;
+using reference::unwelded;
 
 double volumeOf(const Mesh& mesh) {
   double sum = 0.0;
   for (const glm::uvec3& t : mesh.triangles) sum += glm::dot(mesh.positions[t.x], glm::cross(mesh.positions[t.y], mesh.positions[t.z]));
   return sum / 6.0;
-}
-
-/// Three vertices of its own for every triangle, as an STL has it.
-Mesh exploded(const Mesh& mesh) {
-  Mesh soup;
-  for (const glm::uvec3& t : mesh.triangles) {
-    const auto first = static_cast<std::uint32_t>(soup.positions.size());
-    for (int corner = 0; corner < 3; ++corner) soup.positions.push_back(mesh.positions[t[corner]]);
-    soup.triangles.push_back(glm::uvec3(0, 1, 2) + first);
-  }
-  return soup;
 }
 
 TEST(Repair, LeavesACleanMeshAlone) {
@@ -44,12 +39,12 @@ TEST(Repair, LeavesACleanMeshAlone) {
 
 TEST(Repair, WeldsExactlyEqualPositionsOnly) {
   const Mesh sphere = sphereMesh(glm::dvec3(0.0), 1.0, 8, 12);
-  const RepairedMesh repaired = repair(exploded(sphere));
+  const RepairedMesh repaired = repair(unwelded(sphere));
   EXPECT_EQ(repaired.mesh.positions.size(), sphere.positions.size());
   EXPECT_EQ(repaired.found.verticesMerged, sphere.triangles.size() * 3 - sphere.positions.size());
   EXPECT_TRUE(repaired.found.closed);
 
-  Mesh apart = exploded(boxMesh(glm::dvec3(0.0), glm::dvec3(1.0)));
+  Mesh apart = unwelded(boxBetween(glm::dvec3(0.0), glm::dvec3(1.0)));
   apart.positions[0].x = std::nextafter(apart.positions[0].x, 1.0);
   EXPECT_FALSE(repair(apart).found.closed);
 }
@@ -68,12 +63,11 @@ TEST(Repair, OrientsAShuffledClosedMeshOutward) {
 }
 
 TEST(Repair, KeepsConsistentComponentsAsTheyAre) {
-  Mesh mesh = sphereMesh(glm::dvec3(0.0), 1.0, 10, 12);
-  append(mesh, reversed(sphereMesh(glm::dvec3(0.0), 0.5, 10, 12)));  // a cavity
+  Mesh mesh = joined(sphereMesh(glm::dvec3(0.0), 1.0, 10, 12), insideOut(sphereMesh(glm::dvec3(0.0), 0.5, 10, 12)));  // a cavity
   const std::vector<glm::uvec3> given = mesh.triangles;
-  Mesh mixed = boxMesh(glm::dvec3(2.0), glm::dvec3(3.0));
+  Mesh mixed = boxBetween(glm::dvec3(2.0), glm::dvec3(3.0));
   std::swap(mixed.triangles[4].x, mixed.triangles[4].y);
-  append(mesh, mixed);
+  mesh = joined(mesh, mixed);
   const RepairedMesh repaired = repair(mesh);
   EXPECT_TRUE(std::equal(given.begin(), given.end(), repaired.mesh.triangles.begin()));
   EXPECT_EQ(repaired.found.reorientedTriangles, 1u);
@@ -81,7 +75,7 @@ TEST(Repair, KeepsConsistentComponentsAsTheyAre) {
   EXPECT_EQ(repaired.found.components, 3u);
   EXPECT_TRUE(repaired.found.closed);
 
-  const RepairedMesh inverted = repair(reversed(boxMesh(glm::dvec3(2.0), glm::dvec3(3.0))));
+  const RepairedMesh inverted = repair(insideOut(boxBetween(glm::dvec3(2.0), glm::dvec3(3.0))));
   EXPECT_TRUE(inverted.found.insideOut);
   EXPECT_EQ(inverted.found.reorientedTriangles, 0u);
 }
@@ -98,7 +92,7 @@ TEST(Repair, AnOpenComponentKeepsTheSideOfMostOfItsArea) {
 }
 
 TEST(Repair, CountsDegenerateDuplicateAndNonManifold) {
-  Mesh mesh = boxMesh(glm::dvec3(0.0), glm::dvec3(1.0));
+  Mesh mesh = boxBetween(glm::dvec3(0.0), glm::dvec3(1.0));
   mesh.triangles.push_back({mesh.triangles[3].y, mesh.triangles[3].z, mesh.triangles[3].x});  // the same again
   mesh.triangles.emplace_back(0, 0, 1);
   mesh.positions.emplace_back(0.5, 0.0, 0.0);
@@ -173,7 +167,7 @@ TEST(Repair, ATenthOfAMillionFacesTakeWellUnderASecond) {
   Mesh mesh = torusMesh(1.0, 0.4, 400, 125);
   std::swap(mesh.triangles[7].x, mesh.triangles[7].y);
   const auto start = std::chrono::steady_clock::now();
-  const RepairedMesh repaired = repair(exploded(mesh));
+  const RepairedMesh repaired = repair(unwelded(mesh));
   EXPECT_TRUE(repaired.found.closed);
   EXPECT_LT(std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count(), 2.0);
 }
