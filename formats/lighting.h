@@ -24,12 +24,12 @@ struct AreaLight {
   glm::vec3 colour{1.0f};    ///< linear radiance
 };
 
-/// Constants of a sky estimator (DESIGN 5.4). Taps are at d_i = 2^(i-1) voxels of the global volume.
+/// Constants of a sky estimator (DESIGN 5.4). They mean the same at any resolution of the global volume and at any scale of the scene.
 struct Estimator {
   std::string name = "published";
-  int taps = 5;            ///< 1 to 8
-  float k = 0.05f;         ///< darkening per voxel of missing distance
-  float skyWeight = 0.5f;  ///< alpha in N' = N + alpha U, 0 to 1 (Evans 2006, 9.6)
+  int taps = 5;            ///< 1 to 8, at 128 voxels along the longest side: taps at 1, 2, 4, ... voxels; one more per doubling of that
+  float k = 1.3862944f;    ///< at least 0: -ln C of a point that all taps find shut: C = exp(-k (alpha + sum f_i / sum d_i)); 2 ln 2
+  float skyWeight = 0.5f;  ///< alpha in N' = N + alpha U, 0 to 1 (Evans 2006, 9.6); an open wall gets exp(-k alpha), here 1/2
   double fitError = -1.0;  ///< RMSE against the reference they were fitted to; negative: not fitted
 };
 

@@ -2,9 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
+#include <span>
 
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
+#include <glm/gtc/packing.hpp>
 #include <glm/gtc/quaternion.hpp>
 
 namespace overcast::test {
@@ -78,6 +81,34 @@ glm::dmat4 randomTransform(std::mt19937& random, double spread) {
   if (kind == 3) matrix = matrix * randomRotation(random) * scaling({1.0, 0.6, 1.4});
   matrix[3] = glm::dvec4(where, 1.0);
   return matrix;
+}
+
+GpuImage uploadField(const Device& device, const reference::Field& field) {
+  ImageSettings settings;
+  const glm::uvec3 size(field.size);
+  settings.extent = {size.x, size.y, size.z};
+  settings.volume = true;
+  settings.format = VK_FORMAT_R16_SFLOAT;
+  settings.usage = VK_IMAGE_USAGE_SAMPLED_BIT | VK_IMAGE_USAGE_STORAGE_BIT;
+  Result<GpuImage> image = makeImage(device, settings);
+  OVERCAST_REQUIRE(image.ok(), "{}", message(image.error()));
+  std::vector<std::uint16_t> halves;
+  for (const double value : field.values) halves.push_back(glm::packHalf1x16(static_cast<float>(value)));
+  const Result<Done> uploaded = uploadImage(device, image.value(), std::as_bytes(std::span(halves)), kComputeRead);
+  OVERCAST_REQUIRE(uploaded.ok(), "{}", message(uploaded.error()));
+  return image.value();
+}
+
+reference::Field readField(const Device& device, const GpuImage& image) {
+  const Result<std::vector<std::byte>> bytes = readImage(device, image, kComputeWrite);
+  OVERCAST_REQUIRE(bytes.ok(), "{}", message(bytes.error()));
+  reference::Field field{glm::ivec3(image.extent.width, image.extent.height, image.extent.depth), {}};
+  for (std::size_t at = 0; at < bytes.value().size(); at += 2) {
+    std::uint16_t half = 0;
+    std::memcpy(&half, bytes.value().data() + at, 2);
+    field.values.push_back(glm::unpackHalf1x16(half));
+  }
+  return field;
 }
 
 }  // namespace overcast::test

@@ -9,6 +9,8 @@
 #include <glm/vec3.hpp>
 
 #include "formats/volume.h"
+#include "runtime/vulkan/resources.h"
+#include "tests/reference/pyramid.h"
 
 namespace overcast::test {
 
@@ -26,5 +28,9 @@ std::vector<Volume> variedVolumes();
 
 /// Rotation, translation within `spread` of the origin, scale from 0.2 to 2.5 along each axis: uniform, non-uniform, mirrored, or sheared.
 glm::dmat4 randomTransform(std::mt19937& random, double spread);
+
+/// A field as an R16F volume in layout GENERAL, as the composite leaves it, and back. They stop the program when the device fails.
+GpuImage uploadField(const Device& device, const reference::Field& field);
+reference::Field readField(const Device& device, const GpuImage& image);
 
 }  // namespace overcast::test

@@ -1,10 +1,10 @@
 // Shade: sky light from a few taps of the distance pyramid (DESIGN 5.4; Evans 2006, 9.6). Read by C++ and GLSL.
 //
-// Taps f_i = d_i - phi_{i-1}(P + d_i N'), N' = N + alpha U, d_1 = one voxel, d_i = 2 d_{i-1}; tap i reads pyramid level i - 1, whose blur is
-// proportional to d_i. Everything in voxels of the global volume.
-// Estimator `published`: C = exp(-k' sum f_i). The paper leaves open what C is over open ground: with its skewed normal a surface that
-// faces the sky reads phi = (1 + alpha) d_i, so C = exp(k' alpha sum d_i) > 1. We divide by that constant, so that an open surface facing the sky is
-// exactly 1, and write k' = k / sum d_i, so that k means the same for any number of taps and any resolution:
+// Taps f_i = d_i - phi_{i-1}(P + d_i N'), N' = N + alpha U, d_1 = one voxel, d_i = 2 d_{i-1}; tap i reads pyramid level i - 1, whose blur
+// is proportional to d_i. Everything in voxels of the global volume. Estimator `published`: C = exp(-k' sum f_i). The paper leaves open
+// what C is over open ground: with its skewed normal a surface that faces the sky reads phi = (1 + alpha) d_i, so C = exp(k' alpha sum d_i)
+// > 1. We divide by that constant, so that an open surface facing the sky is exactly 1, and write k' = k / sum d_i, so that k means the
+// same for any number of taps and any resolution:
 //     C = exp(-k (alpha + sum f_i / sum d_i)),   clamped to [0, 1].
 // An open wall gets exp(-k alpha), which is its true share of the sky, one half, for k alpha = ln 2: the defaults of formats/lighting.h.
 // The paper's tap at d_0 = 0 has no reach; where mesh and field disagree by a fraction of a voxel it reads that disagreement, see
@@ -17,6 +17,7 @@
 OVERCAST_SHARED_BEGIN
 
 const int kMaxTaps = 8;
+const float kNoSurface = -1.0f;  ///< alpha of a pixel that sees no surface; of the others it is the sky visibility
 
 /// 128 bytes: all the push constants a device must have.
 struct ShadePush {
@@ -27,7 +28,9 @@ struct ShadePush {
 };
 
 /// d_i in voxels; tap 0 is d_1.
-OVERCAST_INLINE float tapDistance(int tap) { return exp2(float(tap)); }
+OVERCAST_INLINE float tapDistance(int tap) {
+  return exp2(float(tap));
+}
 
 /// N', from a normal of any length: a degenerate one (zero, not finite) counts as none, which leaves the skew.
 OVERCAST_INLINE vec3 skewedNormal(vec3 normal, vec3 skew) {
@@ -35,15 +38,17 @@ OVERCAST_INLINE vec3 skewedNormal(vec3 normal, vec3 skew) {
   return squared > 0.0f && squared < 1.0e30f ? normal / sqrt(squared) + skew : skew;
 }
 
-/// The point nearest to p at which level `level` of a volume of `size` voxels is sampled: half a texel of the level inside the border, where
-/// interpolation is whole. Further out the field is continued: phi there plus the distance to it, continuous and without streaks.
+/// The point nearest to p at which level `level` of a volume of `size` voxels is sampled: half a texel of the level inside the border,
+/// where interpolation is whole. Further out the field is continued: phi there plus the distance to it, continuous and without streaks.
 OVERCAST_INLINE vec3 insideLevel(vec3 p, vec3 size, int level) {
   vec3 inset = min(vec3(0.5f * exp2(float(level))), 0.5f * size);
   return clamp(p, inset, size - inset);
 }
 
 /// Sky visibility from the exponent w_0 + sum w_i f_i.
-OVERCAST_INLINE float skyVisibility(float exponent) { return clamp(exp(-exponent), 0.0f, 1.0f); }
+OVERCAST_INLINE float skyVisibility(float exponent) {
+  return clamp(exp(-exponent), 0.0f, 1.0f);
+}
 
 OVERCAST_SHARED_END
 

@@ -1,0 +1,75 @@
+// One thread per pixel: base colour times sky times sky visibility. OVERCAST_TAPS taps of the estimator OVERCAST_ESTIMATOR_<NAME>.
+#version 460
+#include "runtime/passes/shade/shade.h"
+
+layout(local_size_x = 8, local_size_y = 8) in;
+layout(push_constant) uniform Push {
+  ShadePush push;
+};
+layout(set = 0, binding = 0) uniform sampler2D depthImage;
+layout(set = 0, binding = 1) uniform sampler2D normalImage;
+layout(set = 0, binding = 2) uniform sampler2D colourImage;
+layout(set = 0, binding = 3, rgba16f) uniform writeonly image2D lightImage;
+// Levels that no tap reads repeat the last one.
+layout(set = 0, binding = 4) uniform sampler3D level0;
+layout(set = 0, binding = 5) uniform sampler3D level1;
+layout(set = 0, binding = 6) uniform sampler3D level2;
+layout(set = 0, binding = 7) uniform sampler3D level3;
+layout(set = 0, binding = 8) uniform sampler3D level4;
+layout(set = 0, binding = 9) uniform sampler3D level5;
+layout(set = 0, binding = 10) uniform sampler3D level6;
+layout(set = 0, binding = 11) uniform sampler3D level7;
+
+// phi of a level at a point inside it, both in voxels of level 0.
+float sampleLevel(int level, vec3 inside) {
+  vec3 at = inside / exp2(float(level));
+  switch (level) {
+    case 0:
+      return textureLod(level0, at / vec3(textureSize(level0, 0)), 0.0f).r;
+    case 1:
+      return textureLod(level1, at / vec3(textureSize(level1, 0)), 0.0f).r;
+    case 2:
+      return textureLod(level2, at / vec3(textureSize(level2, 0)), 0.0f).r;
+    case 3:
+      return textureLod(level3, at / vec3(textureSize(level3, 0)), 0.0f).r;
+    case 4:
+      return textureLod(level4, at / vec3(textureSize(level4, 0)), 0.0f).r;
+    case 5:
+      return textureLod(level5, at / vec3(textureSize(level5, 0)), 0.0f).r;
+    case 6:
+      return textureLod(level6, at / vec3(textureSize(level6, 0)), 0.0f).r;
+    default:
+      return textureLod(level7, at / vec3(textureSize(level7, 0)), 0.0f).r;
+  }
+}
+
+float field(int level, vec3 p) {
+  vec3 inside = insideLevel(p, vec3(textureSize(level0, 0)), level);
+  return sampleLevel(level, inside) + distance(p, inside);
+}
+
+#ifdef OVERCAST_ESTIMATOR_PUBLISHED
+float visibility(vec3 p, vec3 normal) {
+  vec3 skewed = skewedNormal(normal, vec3(push.skew));
+  float exponent = push.skew.w;
+  for (int tap = 0; tap < OVERCAST_TAPS; ++tap) {
+    float d = tapDistance(tap);
+    exponent += push.weights[tap / 4][tap % 4] * (d - field(tap, p + d * skewed));
+  }
+  return skyVisibility(exponent);
+}
+#endif
+
+void main() {
+  ivec2 pixel = ivec2(gl_GlobalInvocationID);
+  ivec2 size = imageSize(lightImage);
+  if (any(greaterThanEqual(pixel, size))) return;
+  float depth = texelFetch(depthImage, pixel, 0).r;
+  if (depth <= 0.0f) {
+    imageStore(lightImage, pixel, vec4(0.0f, 0.0f, 0.0f, kNoSurface));
+    return;
+  }
+  vec4 p = push.voxelFromClip * vec4((vec2(pixel) + 0.5f) / vec2(size) * 2.0f - 1.0f, depth, 1.0f);
+  float sky = visibility(p.xyz / p.w, texelFetch(normalImage, pixel, 0).xyz);
+  imageStore(lightImage, pixel, vec4(texelFetch(colourImage, pixel, 0).rgb * push.sky.rgb * sky, sky));
+}

@@ -1,0 +1,35 @@
+#include "tests/reference/sky.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+
+#include <glm/geometric.hpp>
+
+namespace overcast::reference {
+
+double continuedField(const std::vector<Field>& levels, int level, const glm::dvec3& point) {
+  const double texel = std::pow(2.0, level);
+  glm::dvec3 inside = point;
+  for (int axis = 0; axis < 3; ++axis) {
+    const double side = levels[0].size[axis];
+    const double inset = std::min(0.5 * texel, 0.5 * side);
+    inside[axis] = std::min(std::max(point[axis], inset), side - inset);
+  }
+  return interpolate(levels[static_cast<std::size_t>(level)], inside / texel) + glm::length(point - inside);
+}
+
+double publishedSky(const std::vector<Field>& levels, const glm::dvec3& point, const glm::dvec3& normal, const glm::dvec3& up, double k,
+                    double alpha) {
+  double missing = 0.0, open = 0.0, reach = 0.0;
+  for (std::size_t i = 0; i < levels.size(); ++i) {
+    const double d = std::pow(2.0, static_cast<double>(i));
+    const double skewedLength = 1.0 + alpha;
+    missing += d - continuedField(levels, static_cast<int>(i), point + d * (normal + alpha * up));
+    open += d - d * skewedLength;
+    reach += d;
+  }
+  return std::min(1.0, std::exp(-k / reach * missing) / std::exp(-k / reach * open));
+}
+
+}  // namespace overcast::reference

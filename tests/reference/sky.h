@@ -1,0 +1,21 @@
+// Sky visibility of the `published` estimator in double (DESIGN 5.4, Evans 2006, 9.6). Shares no code with the runtime.
+#pragma once
+
+#include <vector>
+
+#include <glm/vec3.hpp>
+
+#include "tests/reference/pyramid.h"
+
+namespace overcast::reference {
+
+/// C at `point` (voxels from the volume's corner) with unit `normal` and unit `up`, one tap for each level: exp(-k' sum f_i) divided by its
+/// value over open ground facing the sky, with k' = k / sum d_i; at most 1. Beyond half a texel of a level inside the border that level
+/// is continued by the distance.
+double publishedSky(const std::vector<Field>& levels, const glm::dvec3& point, const glm::dvec3& normal, const glm::dvec3& up, double k,
+                    double alpha);
+
+/// The field with that continuation: level `level` at a point in voxels of level 0.
+double continuedField(const std::vector<Field>& levels, int level, const glm::dvec3& point);
+
+}  // namespace overcast::reference

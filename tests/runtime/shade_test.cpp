@@ -1,0 +1,292 @@
+// Sky light: formulas against closed forms and brute force in double, then the pass on the device. Pixels are laid over surfaces by an
+// affine view: pixel and depth are directly a point of the volume, so that nothing here depends on a rasteriser.
+#include "runtime/passes/shade/shade_pass.h"
+
+#include <cmath>
+#include <cstring>
+#include <functional>
+#include <limits>
+
+#include <gtest/gtest.h>
+#include <glm/common.hpp>
+#include <glm/geometric.hpp>
+#include <glm/gtc/packing.hpp>
+
+#include "tests/reference/sky.h"
+#include "tests/runtime/scenes.h"
+#include "tests/runtime/support.h"
+
+namespace overcast {
+namespace {
+
+using reference::Field;
+
+constexpr int kSide = 64;
+constexpr glm::dvec3 kUp{0, 1, 0};
+
+/// What a pixel sees: height y over the point (x, z) of its column, in voxels, and the normal there. Height 0: no surface.
+struct Surface {
+  double height = 0.0;
+  glm::vec3 normal{0.0f, 1.0f, 0.0f};
+};
+using Ground = std::function<Surface(double x, double z)>;
+
+/// Light and visibility of a pixel.
+struct Pixel {
+  glm::vec3 light{0.0f};
+  float sky = 0.0f;
+};
+
+/// A view of side x side pixels straight over a grid; heights run to `top` voxels. In units of world space; relative to `eye`.
+glm::dmat4 viewFromAbove(const GlobalGrid& grid, const glm::dvec3& eye, double left, double right, double top) {
+  const glm::dvec3 low = grid.origin + grid.voxelSize * glm::dvec3(left) - eye;
+  const double width = grid.voxelSize * (right - left);
+  glm::dmat4 clip(0.0);
+  clip[0][0] = 2.0 / width;
+  clip[2][1] = 2.0 / width;
+  clip[1][2] = 1.0 / (top * grid.voxelSize);
+  clip[3] = glm::dvec4(-1.0 - 2.0 * low.x / width, -1.0 - 2.0 * low.z / width, -(grid.origin.y - eye.y) / (top * grid.voxelSize), 1.0);
+  return clip;
+}
+
+class Shade : public test::DeviceTest {
+ protected:
+  struct Setting {
+    GlobalGrid grid{{0, 0, 0}, 1.0, glm::ivec3(kSide)};
+    glm::dvec3 eye{3, 70, -5};
+    glm::vec3 skyColour{0.5f, 0.25f, 1.0f};
+    Estimator estimator;
+    double left = 0.0, right = kSide;  ///< span of the picture along x and z, voxels
+  };
+
+  /// Shades `ground` in `field` with 64 x 64 pixels.
+  std::vector<Pixel> shade(const Field& field, const Ground& ground, const Setting& setting) {
+    GpuImage volume = test::uploadField(device, field);
+    const SkyTaps taps = skyTaps(setting.estimator, kSide).value();
+    PyramidPass pyramid = makePyramidPass(device, volume, taps.count).value();
+    GeometryImages images = uploadGround(ground, setting);
+    ShadePass pass = makeShadePass(device, images, pyramid, taps).value();
+    const ShadeView view{viewFromAbove(setting.grid, setting.eye, setting.left, setting.right, kSide), setting.eye, setting.skyColour,
+                         glm::vec3(kUp)};
+    const Result<Done> done = runCommands(device, [&](VkCommandBuffer commands) {
+      recordPyramid(commands, pyramid);
+      recordShade(commands, pass, setting.grid, view);
+    });
+    EXPECT_TRUE(done.ok());
+    const std::vector<std::byte> bytes = readImage(device, pass.light, kComputeSample).value();
+    std::vector<Pixel> pixels(bytes.size() / 8);
+    for (std::size_t n = 0; n < pixels.size(); ++n) {
+      std::uint64_t packed = 0;
+      std::memcpy(&packed, bytes.data() + 8 * n, 8);
+      const glm::vec4 value = glm::unpackHalf4x16(packed);
+      pixels[n] = {glm::vec3(value), value.w};
+    }
+    destroyShadePass(device, pass);
+    destroyGeometryImages(device, images);
+    destroyPyramidPass(device, pyramid);
+    destroyImage(device, volume);
+    return pixels;
+  }
+
+  /// Column of pixel n of a picture that spans `left` to `right`.
+  static glm::dvec2 column(std::size_t n, const Setting& setting) {
+    const double step = (setting.right - setting.left) / kSide;
+    return {setting.left + step * (static_cast<double>(n % kSide) + 0.5), setting.left + step * (static_cast<double>(n / kSide) + 0.5)};
+  }
+
+ private:
+  GeometryImages uploadGround(const Ground& ground, const Setting& setting) {
+    std::vector<float> depths;
+    std::vector<std::uint64_t> normals;
+    for (std::size_t n = 0; n < kSide * kSide; ++n) {
+      const glm::dvec2 at = column(n, setting);
+      const Surface surface = ground(at.x, at.y);
+      depths.push_back(static_cast<float>(surface.height / kSide));
+      normals.push_back(glm::packHalf4x16(glm::vec4(surface.normal, 1.0f)));
+    }
+    const std::vector<std::uint32_t> white(kSide * kSide, 0xffffffffu);
+    GeometryImages images = makeGeometryImages(device, {kSide, kSide}).value();
+    EXPECT_TRUE(uploadImage(device, images.depth, std::as_bytes(std::span(depths)), kComputeSample).ok());
+    EXPECT_TRUE(uploadImage(device, images.normal, std::as_bytes(std::span(normals)), kComputeSample).ok());
+    EXPECT_TRUE(uploadImage(device, images.colour, std::as_bytes(std::span(white)), kComputeSample).ok());
+    return images;
+  }
+};
+
+Field cube(const std::function<double(const glm::dvec3&)>& f) {
+  return reference::fieldOf(glm::ivec3(kSide), f);
+}
+
+/// Ground at y = 20 with a sphere of radius 12 touching it in the middle.
+constexpr double kGround = 20.0;
+constexpr double kRadius = 12.0;
+double sphereOnPlane(const glm::dvec3& p) {
+  return std::min(p.y - kGround, test::sphereDistance(p - glm::dvec3(32, kGround + kRadius, 32), kRadius));
+}
+
+Surface groundOnly(double, double) {
+  return {kGround, {0, 1, 0}};
+}
+
+TEST(SkyTaps, MeanTheSameAtAnyResolution) {
+  for (const auto& [resolution, count] : {std::pair{32, 3}, {64, 4}, {128, 5}, {256, 6}}) {
+    const SkyTaps taps = skyTaps({}, resolution).value();
+    EXPECT_EQ(taps.count, count);
+    // A shut point misses d_i at every tap; a wall half of what open ground sees.
+    float shut = 0.0f;
+    for (int i = 0; i < taps.count; ++i) shut += taps.weights[static_cast<std::size_t>(i)] * std::exp2(static_cast<float>(i));
+    EXPECT_NEAR(shut, Estimator{}.k, 1e-5f);
+    EXPECT_NEAR(std::exp(-taps.constant), 0.5f, 1e-6f);
+  }
+  Estimator eight;
+  eight.taps = 8;
+  EXPECT_EQ(skyTaps(eight, 256).value().count, 8);
+  Estimator unknown;
+  unknown.name = "magic";
+  const Result<SkyTaps> refused = skyTaps(unknown, 128);
+  ASSERT_FALSE(refused.ok());
+  EXPECT_NE(message(refused.error()).find("'magic'"), std::string::npos);
+}
+
+TEST(ShadeFormulas, DegenerateNormalsCountAsNone) {
+  const glm::vec3 skew(0.0f, 0.5f, 0.0f);
+  const float nan = std::numeric_limits<float>::quiet_NaN(), inf = std::numeric_limits<float>::infinity();
+  for (const glm::vec3& normal : {glm::vec3(0.0f), glm::vec3(nan, 0, 1), glm::vec3(inf, 0, 0), glm::vec3(1e-30f, 0, 0)})
+    EXPECT_EQ(shared::skewedNormal(normal, skew), skew);
+  EXPECT_EQ(shared::skewedNormal({0.0f, 0.0f, 3.0f}, skew), glm::vec3(0.0f, 0.5f, 1.0f));
+}
+
+TEST(ShadeFormulas, VisibilityIsBetweenZeroAndOne) {
+  EXPECT_EQ(shared::skyVisibility(-65504.0f), 1.0f);
+  EXPECT_EQ(shared::skyVisibility(65504.0f), 0.0f);
+  EXPECT_EQ(shared::skyVisibility(std::numeric_limits<float>::infinity()), 0.0f);
+  EXPECT_NEAR(shared::skyVisibility(std::log(2.0f)), 0.5f, 1e-6f);
+}
+
+TEST(ShadeFormulas, InsideLevelIsTheNearestPointHalfATexelIn) {
+  const glm::vec3 size(64, 16, 8);
+  EXPECT_EQ(shared::insideLevel({-5, 70, 3}, size, 0), glm::vec3(0.5f, 15.5f, 3));
+  EXPECT_EQ(shared::insideLevel({-5, 8, 3}, size, 4), glm::vec3(8, 8, 4)) << "a level coarser than a side is sampled in its middle";
+}
+
+TEST_F(Shade, OpenSurfacesHaveTheirClosedForm) {
+  // Level 3 of a linear field is linear: the pass must give the exponentials of shade.h wherever the ground turns.
+  const double k = Estimator{}.k, alpha = Estimator{}.skyWeight;
+  const std::vector<std::pair<glm::dvec3, double>> cases{{{0, 1, 0}, 1.0},
+                                                         {{1, 0, 0}, std::exp(-k * alpha)},
+                                                         {{0, -1, 0}, std::exp(-k * 2.0 * alpha)},
+                                                         {{0.6, 0.8, 0}, std::exp(-k * alpha * 0.2)}};
+  for (const auto& [normal, expected] : cases) {
+    const Field half = cube([&n = normal](const glm::dvec3& p) { return glm::dot(p - glm::dvec3(32), n); });
+    Setting setting;
+    setting.left = 31;
+    setting.right = 33;
+    const auto on = [&n = normal](double x, double z) {
+      // The height at which the column meets the plane through the middle; for walls any height is on the plane only at x = 32.
+      const double y = std::abs(n.y) > 0.1 ? 32.0 - (n.x * (x - 32.0) + n.z * (z - 32.0)) / n.y : 32.0;
+      return Surface{y, glm::vec3(n)};
+    };
+    const std::vector<Pixel> pixels = shade(half, on, setting);
+    const std::size_t middle = 32 * kSide + 32;
+    EXPECT_NEAR(pixels[middle].sky, expected, 0.01) << normal.x << " " << normal.y;
+    EXPECT_NEAR(pixels[middle].light.x, 0.5 * expected, 0.01);
+    EXPECT_NEAR(pixels[middle].light.z, 1.0 * expected, 0.01);
+  }
+}
+
+TEST_F(Shade, AgreesWithBruteForceInDouble) {
+  const auto corner = [](const glm::dvec3& p) { return std::min(p.y - kGround, p.x - 16.0); };
+  const Field scenes[] = {cube(sphereOnPlane), cube(corner)};
+  for (const Field& field : scenes) {
+    const Setting setting;
+    const std::vector<Pixel> pixels = shade(field, groundOnly, setting);
+    const std::vector<Field> levels = reference::pyramid(field, skyTaps(setting.estimator, kSide).value().count);
+    double worst = 0.0;
+    for (std::size_t n = 0; n < pixels.size(); ++n) {
+      const glm::dvec2 at = column(n, setting);
+      const double expected =
+          reference::publishedSky(levels, {at.x, kGround, at.y}, kUp, kUp, setting.estimator.k, setting.estimator.skyWeight);
+      worst = std::max(worst, std::abs(pixels[n].sky - expected));
+    }
+    // Half floats of up to 64 voxels step by 1/32 at the most, seen through weights that sum to k / 15 per tap; 8-bit filter weights and
+    // the result's own half float are smaller.
+    EXPECT_LT(worst, 0.01);
+  }
+}
+
+TEST_F(Shade, ACornerDarkensTowardsTheWall) {
+  const Field corner = cube([](const glm::dvec3& p) { return std::min(p.y - kGround, p.x - 16.0); });
+  const std::vector<Pixel> pixels = shade(corner, groundOnly, {});
+  // Ground at least as far from the wall as the taps and their filters reach (8 * 1.5 voxels, level 3's kernel 12 more) is open.
+  for (std::size_t i = 17; i < 52; ++i) EXPECT_GE(pixels[32 * kSide + i].sky, pixels[32 * kSide + i - 1].sky - 0.004f) << "column " << i;
+  EXPECT_LT(pixels[32 * kSide + 16].sky, 0.45f);
+  EXPECT_NEAR(pixels[32 * kSide + 42].sky, 1.0f, 0.01f);
+}
+
+/// The picture test of contact shadows: fails when they vanish.
+TEST_F(Shade, ASphereShadowsTheGroundDarkestBelowItAndLessOutward) {
+  const std::vector<Pixel> pixels = shade(cube(sphereOnPlane), groundOnly, {});
+  const auto along = [&](int dx, int dz) {
+    std::vector<float> ray;
+    for (int step = 0; step < 31; ++step) ray.push_back(pixels[static_cast<std::size_t>((32 + dz * step) * kSide + 32 + dx * step)].sky);
+    return ray;
+  };
+  for (const std::vector<float>& ray : {along(1, 0), along(-1, 0), along(0, 1), along(1, 1), along(-1, 1)}) {
+    EXPECT_LT(ray.front(), 0.2f) << "no contact shadow";
+    EXPECT_GT(ray.back(), 0.97f);
+    for (std::size_t step = 1; step < ray.size(); ++step) EXPECT_GE(ray[step], ray[step - 1] - 0.005f) << "step " << step;
+  }
+  float darkest = 1.0f;
+  for (const Pixel& pixel : pixels) darkest = std::min(darkest, pixel.sky);
+  EXPECT_NEAR(darkest, pixels[32 * kSide + 32].sky, 0.005f) << "darkest where the sphere touches";
+}
+
+TEST_F(Shade, DoesNotDependOnScaleOrPlace) {
+  const Field field = cube(sphereOnPlane);
+  const std::vector<Pixel> expected = shade(field, groundOnly, {});
+  for (const double scale : {1e-4, 1e4})
+    for (const double shift : {0.0, 1e5}) {
+      Setting setting;
+      setting.grid.voxelSize = scale;
+      setting.grid.origin = glm::dvec3(shift, -shift, shift) * scale;
+      setting.eye = setting.grid.origin + scale * glm::dvec3(30, 90, 20);
+      const std::vector<Pixel> pixels = shade(field, groundOnly, setting);
+      for (std::size_t n = 0; n < pixels.size(); ++n) ASSERT_NEAR(pixels[n].sky, expected[n].sky, 0.002f) << scale << " " << shift;
+    }
+}
+
+TEST_F(Shade, NoStreaksBeyondTheVolume) {
+  // Ground that goes on for half a volume beyond each border: it must keep brightening outward, as if the volume were larger.
+  Setting setting;
+  setting.left = -32;
+  setting.right = 96;
+  const auto nearBorder = [](const glm::dvec3& p) {
+    return std::min(p.y - kGround, test::sphereDistance(p - glm::dvec3(48, kGround + 10, 32), 14.0));
+  };
+  const std::vector<Pixel> pixels = shade(cube(nearBorder), groundOnly, setting);
+  for (std::size_t j = 0; j < kSide; j += 7)
+    for (std::size_t i = 49; i + 1 < kSide; ++i)
+      ASSERT_GE(pixels[j * kSide + i + 1].sky, pixels[j * kSide + i].sky - 0.01f) << i << " " << j;
+  for (const std::size_t i : {std::size_t{0}, std::size_t{5}, std::size_t{63}}) EXPECT_GT(pixels[32 * kSide + i].sky, 0.98f);
+}
+
+TEST_F(Shade, NothingBadComesOfBadInput) {
+  const float nan = std::numeric_limits<float>::quiet_NaN();
+  const Field empty = cube([](const glm::dvec3&) { return 65504.0; });
+  const Field inside = cube([](const glm::dvec3&) { return -65504.0; });
+  const auto bad = [nan](double x, double z) {
+    if (x < 8) return Surface{0.0, {0, 1, 0}};
+    return Surface{z < 32 ? 30.0 : 64.0, x < 24 ? glm::vec3(0.0f) : x < 40 ? glm::vec3(nan) : glm::vec3(0, 1, 0)};
+  };
+  for (const Field& field : {empty, inside}) {
+    const std::vector<Pixel> pixels = shade(field, bad, {});
+    for (std::size_t n = 0; n < pixels.size(); ++n) {
+      const bool surface = n % kSide >= 8;
+      ASSERT_EQ(pixels[n].sky, surface ? (field.values[0] > 0.0 ? 1.0f : 0.0f) : shared::kNoSurface) << n;
+      ASSERT_TRUE(std::isfinite(pixels[n].light.x + pixels[n].light.y + pixels[n].light.z));
+    }
+  }
+}
+
+}  // namespace
+}  // namespace overcast
