@@ -13,12 +13,9 @@
 
 #include "formats/files.h"
 #include "formats/mesh_reader.h"
-#include "formats/mesh_triangulate.h"
 
 namespace overcast {
 namespace {
-
-constexpr std::uint64_t kMaxTriangles = 200'000'000;
 
 using Parser = Result<RawMesh> (*)(std::string_view);
 
@@ -32,40 +29,6 @@ Parser parserOf(const std::filesystem::path& path) {
   if (extension == ".stl") return parseStl;
   if (extension == ".off") return parseOff;
   return nullptr;
-}
-
-bool isFinite(const glm::dvec3& p) {
-  return std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z);
-}
-
-/// Drops faces that cannot be used, cuts the others into triangles, and puts zero in place of positions that are not finite.
-Result<MeshFile> finished(RawMesh raw) {
-  MeshFile file;
-  MeshReadReport& report = file.report;
-  report.polygons = raw.faceEnds.size() + raw.shortFaces;
-  report.shortFaces = raw.shortFaces;
-  if (raw.positions.size() >= kBadIndex) return Error{"", "", "has more vertices than 32-bit indices can name"};
-  std::uint64_t begin = 0;
-  for (const std::uint64_t end : raw.faceEnds) {
-    const std::span<const std::uint32_t> face(raw.corners.data() + begin, end - begin);
-    begin = end;
-    if (!std::all_of(face.begin(), face.end(), [&](std::uint32_t i) { return i < raw.positions.size(); })) {
-      ++report.badIndexFaces;
-    } else if (!std::all_of(face.begin(), face.end(), [&](std::uint32_t i) { return isFinite(raw.positions[i]); })) {
-      ++report.nonFiniteFaces;
-    } else {
-      if (face.size() > 3) ++report.triangulated;
-      triangulate(raw.positions, face, file.mesh.triangles);
-    }
-    if (file.mesh.triangles.size() > kMaxTriangles) return Error{"", "", fmt::format("has more than {} triangles", kMaxTriangles)};
-  }
-  for (glm::dvec3& position : raw.positions) {
-    if (isFinite(position)) continue;
-    ++report.nonFiniteVertices;
-    position = glm::dvec3(0.0);
-  }
-  file.mesh.positions = std::move(raw.positions);
-  return file;
 }
 
 /// What crosses the pipe: this, then the positions, then the triangles.
@@ -172,7 +135,7 @@ Result<MeshFile> readMesh(const std::filesystem::path& path, const SandboxLimits
     Result<RawMesh> raw = parse({reinterpret_cast<const char*>(bytes.value().data()), bytes.value().size()});
     if (!raw) return raw.error();
     bytes = std::vector<std::byte>();  // the memory limit is for the largest step, not for the sum of all
-    const Result<MeshFile> file = finished(std::move(raw).value());
+    const Result<MeshFile> file = finishMesh(std::move(raw).value());
     if (!file) return file.error();
     return packed(file.value());
   });

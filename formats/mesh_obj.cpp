@@ -4,6 +4,9 @@
 #include <OpenMesh/Core/IO/IOManager.hh>
 #include <OpenMesh/Core/IO/importer/BaseImporter.hh>
 #include <OpenMesh/Core/IO/reader/OBJReader.hh>
+#include <cstdlib>
+#include <iterator>
+#include <optional>
 #include <sstream>
 #include <string>
 #include <utility>
@@ -121,18 +124,21 @@ Result<Done> addVertex(TextScanner words, const LogicalLine& line, RawMesh& mesh
   return Done{};
 }
 
-/// Passes a face on to OpenMesh without the texture and normal indices, which name lines that it is not given.
+/// Passes a face on to OpenMesh without the texture and normal indices, which name lines that it is not given. An index that an int
+/// cannot hold becomes 0, which names no vertex: OpenMesh would misread it.
 Result<Done> addFace(TextScanner words, const LogicalLine& line, FaceText& out) {
+  const std::string place = fmt::format("line {}", line.number);
   out.text += 'f';
   int corners = 0;
   for (std::string_view word = nextWordOnLine(words); !word.empty(); word = nextWordOnLine(words), ++corners) {
-    out.text += ' ';
-    out.text += word.substr(0, word.find('/'));
+    const std::optional<std::int64_t> index = toInteger(word.substr(0, word.find('/')));
+    if (!index) return Error{"", place, fmt::format("'{}' is not a corner of a face", shown(word))};
+    fmt::format_to(std::back_inserter(out.text), " {}", std::abs(*index) < kBadIndex / 2 ? *index : 0);
   }
   out.text += '\n';
   ++out.faces;
   if (corners < 3 && !line.ended) {
-    return Error{"", fmt::format("line {}", line.number), "is cut short: ends in the middle of a face"};
+    return Error{"", place, "is cut short: ends in the middle of a face"};
   }
   return Done{};
 }

@@ -202,7 +202,7 @@ bool readList(Body& body, const Property& property, std::vector<std::int64_t>* l
   if (!length) return false;
   const std::int64_t count = toIndex(*length);
   if (count < 0) {
-    body.problem = "a list of negative length";
+    body.problem = fmt::format("{} is not the length of a list", *length);
     return false;
   }
   for (std::int64_t i = 0; i < count; ++i) {
@@ -289,7 +289,11 @@ Result<Done> readElements(Body& body, const Element& element, RawMesh& mesh) {
   if (role == Role::vertices) mesh.positions.reserve(element.count);
   std::vector<std::int64_t> list;
   for (std::uint64_t i = 0; i < element.count; ++i) {
-    if (readElement(body, element, role, list, mesh)) continue;
+    if (readElement(body, element, role, list, mesh)) {
+      // One line for each element; some writers put more on it than their header declares.
+      if (body.encoding == Encoding::ascii) skipLine(body.scanner);
+      continue;
+    }
     if (!body.problem.empty()) return Error{"", placeHere(), body.problem};
     return Error{"", placeHere(), fmt::format("is cut short: ends after {} of {} elements '{}'", i, element.count, shown(element.name))};
   }

@@ -3,12 +3,12 @@
 
 #include <cstdint>
 #include <limits>
-#include <span>
 #include <string_view>
 #include <vector>
 
 #include <glm/vec3.hpp>
 
+#include "formats/mesh.h"
 #include "formats/result.h"
 
 namespace overcast {
@@ -24,6 +24,8 @@ struct RawMesh {
   std::uint64_t shortFaces = 0;         ///< faces with fewer than three corners, already left out
 };
 
+bool isFinite(const glm::dvec3& p);
+
 /// The corner that refers to vertex `index`; kBadIndex when that is negative or beyond 32 bits.
 std::uint32_t toCorner(std::int64_t index);
 
@@ -35,5 +37,9 @@ Result<RawMesh> parseObj(std::string_view text);
 Result<RawMesh> parseOff(std::string_view text);
 Result<RawMesh> parsePly(std::string_view text);
 Result<RawMesh> parseStl(std::string_view text);
+
+/// Drops faces that cannot be used, cuts the others into triangles, puts zero in place of positions that are not finite, and
+/// counts all of that. Leaves Mesh::name and Mesh::parts empty. An Error when there are more vertices or triangles than Overcast takes.
+Result<MeshFile> finishMesh(RawMesh raw);
 
 }  // namespace overcast
