@@ -150,7 +150,8 @@ std::optional<RawMesh> tryBinary(std::string_view bytes, const OffHeader& header
   }
   for (std::uint32_t f = 0; f < *faces; ++f) {
     const auto corners = scanner.next();
-    if (!corners || *corners > scanner.rest.size() / 4) return std::nullopt;
+    // A face of no corners is the colour count of another layout.
+    if (!corners || *corners == 0 || *corners > scanner.rest.size() / 4) return std::nullopt;
     for (std::uint32_t c = 0; c < *corners; ++c) mesh.corners.push_back(*scanner.next());
     endFace(mesh);
     if (!layout.colourCount) continue;

@@ -55,7 +55,7 @@ bool looksLikeText(std::string_view bytes) {
   if (lowered(nextWord(scanner)) != "solid") return false;
   skipLine(scanner);
   const std::string next = lowered(nextWord(scanner));
-  return next == "facet" || next == "endsolid" || (next.empty() && scanner.rest.empty());
+  return next == "facet" || next == "endsolid";
 }
 
 Result<Done> readCorner(TextScanner& scanner, RawMesh& mesh) {

@@ -19,15 +19,12 @@ namespace {
 
 namespace fs = std::filesystem;
 using test::entries;
+using test::spill;
 using test::TemporaryFolder;
 
 std::string slurp(const fs::path& path) {
   std::ifstream file(path, std::ios::binary);
   return {std::istreambuf_iterator<char>(file), {}};
-}
-
-void spill(const fs::path& path, const std::string& text) {
-  std::ofstream(path, std::ios::binary) << text;
 }
 
 std::string asText(const std::vector<std::byte>& bytes) {

@@ -4,6 +4,7 @@
 #include <stdlib.h>
 
 #include <filesystem>
+#include <fstream>
 #include <string>
 
 namespace overcast::test {
@@ -22,6 +23,11 @@ struct TemporaryFolder {
     std::filesystem::remove_all(path, ignored);
   }
 };
+
+/// Writes without the care of writeFileAtomically, whose fsync would slow down tests that write thousands of files.
+inline void spill(const std::filesystem::path& path, const std::string& bytes) {
+  std::ofstream(path, std::ios::binary) << bytes;
+}
 
 /// Names in `folder`, hidden ones too.
 inline std::size_t entries(const std::filesystem::path& folder) {
