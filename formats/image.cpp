@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "formats/files.h"
-#include "formats/image_checks.h"
+#include "formats/image_parse.h"
 #include "formats/packing.h"
 #include "formats/sandbox.h"
 

@@ -5,7 +5,7 @@
 #include <png.h>
 
 #include "formats/files.h"
-#include "formats/image_checks.h"
+#include "formats/image_parse.h"
 
 namespace overcast {
 namespace {
@@ -22,6 +22,8 @@ struct PngImage {
   PngImage& operator=(const PngImage&) = delete;
   ~PngImage() { png_image_free(&control); }
 };
+
+}  // namespace
 
 Result<Image> parsePng(std::span<const std::byte> bytes, const std::string& file) {
   PngImage png;
@@ -47,8 +49,6 @@ Result<Image> parsePng(std::span<const std::byte> bytes, const std::string& file
   std::transform(pixels.begin(), pixels.end(), image.pixels.begin(), [](std::uint8_t k) { return static_cast<float>(k) / 255.0f; });
   return image;
 }
-
-}  // namespace
 
 Result<Done> writePng(const std::filesystem::path& path, const Image& image) {
   const std::size_t channels = image.channels.size();

@@ -13,6 +13,7 @@
 #include "formats/files.h"
 #include "formats/packing.h"
 #include "formats/volume.h"
+#include "formats/volume_parse.h"
 
 namespace overcast {
 namespace {
@@ -33,19 +34,17 @@ void initialiseOpenVdb() {
   std::call_once(once, [] { openvdb::initialize(); });
 }
 
-/// The transform from its serialised form. Its constructors would take the scale from differences of mapped points, which loses its last
-/// bits beside the translation, and refuse scales whose cube is below 3e-15 (1.4e-5 and less).
-openvdb::math::Transform::Ptr transformOf(const Volume& volume) {
-  const double h = volume.voxelSize;
-  std::stringstream members;
-  openvdb::writeString(members, openvdb::math::UniformScaleTranslateMap::mapType());
-  openvdb::Vec3d(volume.origin.x, volume.origin.y, volume.origin.z).write(members);
-  for (const double value : {h, h, 1.0 / h, 1.0 / (h * h), 0.5 / h}) openvdb::Vec3d(value).write(members);
-  openvdb::io::setCurrentVersion(members);
-  auto transform = openvdb::math::Transform::createLinearTransform();
-  transform->read(members);
-  return transform;
+/// A UniformScaleTranslateMap as OpenVDB writes it: its name, then translation, scale and what follows from the scale.
+std::string serialisedMap(const glm::dvec3& translation, double scale) {
+  std::ostringstream out;
+  openvdb::writeString(out, openvdb::math::UniformScaleTranslateMap::mapType());
+  openvdb::Vec3d(translation.x, translation.y, translation.z).write(out);
+  for (const double value : {scale, scale, 1.0 / scale, 1.0 / (scale * scale), 0.5 / scale}) openvdb::Vec3d(value).write(out);
+  return out.str();
 }
+
+constexpr glm::dvec3 kStandInTranslation{3.0, 5.0, 7.0};
+constexpr double kStandInScale = 2.0;
 
 void fillLeaf(openvdb::FloatTree::LeafNodeType& leaf, const Volume& volume) {
   const openvdb::Coord first = leaf.origin();
@@ -56,6 +55,8 @@ void fillLeaf(openvdb::FloatTree::LeafNodeType& leaf, const Volume& volume) {
       for (int i = first.x(); i <= last.x(); ++i) leaf.setValueOn(openvdb::Coord(i, j, k), volume.distance[sampleIndex(volume, i, j, k)]);
 }
 
+/// The grid with a stand-in for its transform: OpenVDB's own would refuse scales below 1.4e-5 (their cube counts as zero) and take the
+/// scale from differences of mapped points, which loses its last bits. serialise() puts the true one in its place.
 openvdb::FloatGrid::Ptr gridOf(const Volume& volume, VolumeBits bits) {
   // Beyond the box lies "far": the largest distance, so that half floats hold it too.
   const float largest = *std::max_element(volume.distance.begin(), volume.distance.end());
@@ -66,7 +67,9 @@ openvdb::FloatGrid::Ptr gridOf(const Volume& volume, VolumeBits bits) {
       for (int i = 0; i < volume.size.x; i += 8) fillLeaf(*grid->tree().touchLeaf(openvdb::Coord(i, j, k)), volume);
   grid->setName(kGridName);
   grid->setGridClass(openvdb::GRID_LEVEL_SET);
-  grid->setTransform(transformOf(volume));
+  const auto transform = openvdb::math::Transform::createLinearTransform(kStandInScale);
+  transform->postTranslate({kStandInTranslation.x, kStandInTranslation.y, kStandInTranslation.z});
+  grid->setTransform(transform);
   grid->setSaveFloatAsHalf(bits == VolumeBits::half);
   grid->setCreator("overcast");
   grid->insertMeta(kVersionKey, openvdb::Int32Metadata(kVolumeVersion));
@@ -91,6 +94,11 @@ std::string serialise(const Volume& volume, VolumeBits bits) {
   stream.setGridStatsMetadataEnabled(false);
   stream.write(openvdb::GridCPtrVec{gridOf(volume, bits)});
   std::string bytes = std::move(out).str();
+  const std::string standIn = serialisedMap(kStandInTranslation, kStandInScale);
+  const std::size_t map = bytes.find(standIn);
+  OVERCAST_REQUIRE(map != std::string::npos && bytes.find(standIn, map + 1) == std::string::npos,
+                   "the transform is not in OpenVDB's {} bytes just once", bytes.size());
+  bytes.replace(map, standIn.size(), serialisedMap(volume.origin, volume.voxelSize));
   const std::string random = stream.getUniqueTag();
   OVERCAST_REQUIRE(random.size() == kUuidLength && bytes.compare(kUuidPosition, kUuidLength, random) == 0,
                    "OpenVDB's header does not hold the UUID {} at byte {}", random, kUuidPosition);
@@ -102,8 +110,9 @@ std::string serialise(const Volume& volume, VolumeBits bits) {
 /// A stream over bytes that are already in memory, without a copy.
 class MemoryBuffer : public std::streambuf {
  public:
-  explicit MemoryBuffer(std::span<std::byte> bytes) {
-    auto* first = reinterpret_cast<char*>(bytes.data());
+  explicit MemoryBuffer(std::span<const std::byte> bytes) {
+    // The interface wants char*, but nothing writes through it.
+    auto* first = const_cast<char*>(reinterpret_cast<const char*>(bytes.data()));
     setg(first, first, first + bytes.size());
   }
 
@@ -175,7 +184,7 @@ Result<Done> takeDistances(const openvdb::FloatGrid& grid, const openvdb::Coord&
   return Done{};
 }
 
-Result<openvdb::FloatGrid::Ptr> findGrid(std::span<std::byte> bytes, const std::string& file) {
+Result<openvdb::FloatGrid::Ptr> findGrid(std::span<const std::byte> bytes, const std::string& file) {
   MemoryBuffer buffer(bytes);
   std::istream in(&buffer);
   in.exceptions(std::ios::badbit | std::ios::failbit);
@@ -190,25 +199,6 @@ Result<openvdb::FloatGrid::Ptr> findGrid(std::span<std::byte> bytes, const std::
   return Error{file, "", fmt::format("has no grid named '{}'", kGridName)};
 }
 
-Result<Volume> parseVolume(std::span<std::byte> bytes, const std::string& file) {
-  try {
-    const auto grid = findGrid(bytes, file);
-    if (!grid) return grid.error();
-    const openvdb::FloatGrid& distances = *grid.value();
-    const openvdb::CoordBBox box = distances.evalActiveVoxelBoundingBox();
-    Volume volume;
-    for (const auto& step : {takeSize(box, file, volume), takeMetadata(distances, file, volume)})
-      if (!step) return step.error();
-    if (const auto step = takeTransform(distances, box.min(), file, volume); !step) return step.error();
-    if (const auto step = takeDistances(distances, box.min(), file, volume); !step) return step.error();
-    return volume;
-  } catch (const std::bad_alloc&) {
-    return Error{file, "", "needs more memory than is allowed"};
-  } catch (const std::exception& failure) {
-    return Error{file, "", fmt::format("not a readable OpenVDB file ({})", failure.what())};
-  }
-}
-
 std::vector<std::byte> packed(const Volume& volume) {
   std::vector<std::byte> bytes;
   bytes.reserve(volume.distance.size() * sizeof(float) + 256);
@@ -221,6 +211,26 @@ std::vector<std::byte> packed(const Volume& volume) {
 }
 
 }  // namespace
+
+Result<Volume> parseVolume(std::span<const std::byte> bytes, const std::string& file) {
+  initialiseOpenVdb();
+  try {
+    const auto grid = findGrid(bytes, file);
+    if (!grid) return grid.error();
+    const openvdb::FloatGrid& distances = *grid.value();
+    const openvdb::CoordBBox box = distances.evalActiveVoxelBoundingBox();
+    Volume volume;
+    for (const auto& step : {takeSize(box, file, volume), takeMetadata(distances, file, volume)})
+      if (!step) return step.error();
+    if (const auto step = takeTransform(distances, box.min(), file, volume); !step) return step.error();
+    if (const auto step = takeDistances(distances, box.min(), file, volume); !step) return step.error();
+    return volume;
+  } catch (const std::bad_alloc&) {
+    throw;  // the sandbox says how much is allowed
+  } catch (const std::exception& failure) {
+    return Error{file, "", fmt::format("not a readable OpenVDB file ({})", failure.what())};
+  }
+}
 
 Result<std::uint64_t> writeVolume(const std::filesystem::path& path, const Volume& volume, VolumeBits bits) {
   OVERCAST_REQUIRE(isWhole(volume), "not whole: a volume of {} x {} x {} samples, spacing {}, with {} distances", volume.size.x,
@@ -240,7 +250,7 @@ Result<Volume> readVolume(const std::filesystem::path& path, const SandboxLimits
   initialiseOpenVdb();
   const std::string file = path.string();
   const auto result = runSandboxed(path, limits, [&]() -> Result<std::vector<std::byte>> {
-    auto bytes = readFile(path, kLargestFile);
+    const auto bytes = readFile(path, kLargestFile);
     if (!bytes) return bytes.error();
     const auto volume = parseVolume(bytes.value(), file);
     if (!volume) return volume.error();

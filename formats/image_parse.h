@@ -1,4 +1,5 @@
-// What the image readers and writers share: checks of sizes, and the way through the sandbox. Not for other rooms.
+// What the image readers and writers share: checks of sizes, the parsers, and the way through the sandbox. Internal to formats and its
+// fuzzers.
 #pragma once
 
 #include <cstdint>
@@ -22,6 +23,9 @@ bool isWhole(const Image& image);
 
 /// Turns the bytes of `file` into an image; runs in the sandbox.
 using ImageParser = Result<Image> (*)(std::span<const std::byte> bytes, const std::string& file);
+
+Result<Image> parsePng(std::span<const std::byte> bytes, const std::string& file);
+Result<Image> parseExr(std::span<const std::byte> bytes, const std::string& file);
 
 /// Reads `path` and runs `parser` on its bytes in a sandbox.
 Result<Image> parseImage(const std::filesystem::path& path, ImageParser parser);

@@ -1,0 +1,297 @@
+#include "formats/volume.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <limits>
+
+#include <gtest/gtest.h>
+#include <rapidcheck/gtest.h>
+#include <tbb/global_control.h>
+#include <glm/common.hpp>
+#include <glm/geometric.hpp>
+
+#include "tests/formats/support.h"
+#include "tests/reference/shapes.h"
+
+namespace overcast {
+namespace {
+
+template <class Field>
+Volume filled(const glm::ivec3& size, const glm::dvec3& origin, double voxelSize, const Field& field) {
+  Volume volume;
+  volume.size = size;
+  volume.origin = origin;
+  volume.voxelSize = voxelSize;
+  volume.signMethod = "signed-crossings";
+  for (int k = 0; k < size.z; ++k)
+    for (int j = 0; j < size.y; ++j)
+      for (int i = 0; i < size.x; ++i) volume.distance.push_back(static_cast<float>(field(origin + voxelSize * glm::dvec3(i, j, k))));
+  return volume;
+}
+
+Volume torusVolume() {
+  return filled({21, 10, 23}, {-1.1, -0.5, -1.2}, 0.107, [](const glm::dvec3& p) { return reference::torusDistance(p, 0.7, 0.25); });
+}
+
+/// Samples without any pattern in [low, high]: the steepest and least smooth fields there are.
+Volume noiseVolume(std::uint64_t seed, double low, double high) {
+  const glm::ivec3 size{4, 3, 5};
+  const auto values = reference::randomPoints({glm::dvec3(low), glm::dvec3(high)}, 60, seed);
+  std::size_t next = 0;
+  return filled(size, {-0.3, 0.2, 0.1}, 0.5, [&](const glm::dvec3&) { return values[next++].x; });
+}
+
+bool sameBits(const std::vector<float>& a, const std::vector<float>& b) {
+  return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size() * sizeof(float)) == 0;
+}
+
+void expectSame(const Volume& a, const Volume& b) {
+  EXPECT_EQ(a.size, b.size);
+  EXPECT_EQ(a.origin, b.origin);
+  EXPECT_EQ(a.voxelSize, b.voxelSize);
+  EXPECT_EQ(a.signMethod, b.signMethod);
+  EXPECT_TRUE(sameBits(a.distance, b.distance));
+}
+
+TEST(Volume, boundsSpanTheSamples) {
+  const Box box = bounds(filled({3, 4, 5}, {1, 2, 3}, 0.5, [](const glm::dvec3&) { return 1.0; }));
+  EXPECT_EQ(box.min, glm::dvec3(1, 2, 3));
+  EXPECT_EQ(box.max, glm::dvec3(2, 3.5, 5));
+}
+
+TEST(VolumeSampling, reproducesTrilinearFunctions) {
+  const auto field = [](const glm::dvec3& p) {
+    return 10.0 + p.x - 2.0 * p.y + 3.0 * p.z + 0.5 * p.x * p.y - p.y * p.z + 0.25 * p.x * p.y * p.z;
+  };
+  // Positions and values are multiples of 1/8: exact in float.
+  const Volume volume = filled({5, 4, 6}, {-1, 0.5, 1}, 0.5, field);
+  for (const glm::dvec3& p : reference::randomPoints(bounds(volume), 1000, 3)) EXPECT_NEAR(sampleVolume(volume, p), field(p), 1e-13);
+  EXPECT_EQ(sampleVolume(volume, bounds(volume).max), field(bounds(volume).max));
+}
+
+TEST(VolumeSampling, continuesOutsideByTheBoundsOfTheDesign) {
+  const Volume outside = filled({3, 3, 3}, {0, 0, 0}, 1.0, [](const glm::dvec3&) { return 4.0; });
+  EXPECT_DOUBLE_EQ(sampleVolume(outside, {5, 1, 1}), 5.0);    // 3 beyond, 4 there
+  EXPECT_DOUBLE_EQ(sampleVolume(outside, {-2, -2, 3}), 5.0);  // 3 beyond across a corner
+  const Volume inside = filled({3, 3, 3}, {0, 0, 0}, 1.0, [](const glm::dvec3&) { return -4.0; });
+  EXPECT_DOUBLE_EQ(sampleVolume(inside, {5, 1, 1}), -1.0);
+}
+
+TEST(VolumeSampling, isContinuousAcrossTheBorderAndThroughZero) {
+  for (std::uint64_t seed = 0; seed < 20; ++seed) {
+    const Volume volume = noiseVolume(seed, -1.0, 1.0);
+    const Box box = bounds(volume);
+    const double slope = lipschitzBound(volume);
+    for (const glm::dvec3& p : reference::randomPoints({box.min - 1.0, box.max + 1.0}, 200, seed + 100)) {
+      const glm::dvec3 q = glm::clamp(p, box.min, box.max);
+      const glm::dvec3 near = q + (p - q) * 1e-9;
+      EXPECT_NEAR(sampleVolume(volume, near), sampleVolume(volume, q), slope * glm::length(near - q) + 1e-14);
+    }
+  }
+}
+
+TEST(VolumeLipschitz, isExactForLinearFields) {
+  const glm::dvec3 gradient{1.5, -2.0, 0.0};
+  const auto linear = [&](double offset) {
+    return filled({4, 4, 4}, {0, 0, 0}, 0.25, [&](const glm::dvec3& p) { return offset + glm::dot(gradient, p); });
+  };
+  EXPECT_DOUBLE_EQ(lipschitzBound(linear(10.0)), 2.5);
+  EXPECT_DOUBLE_EQ(lipschitzBound(linear(0.0)), std::sqrt(1.0 + 2.5 * 2.5));
+  EXPECT_DOUBLE_EQ(lipschitzBound(filled({2, 2, 2}, {0, 0, 0}, 1.0, [](const glm::dvec3&) { return 3.0; })), 1.0);
+}
+
+TEST(VolumeLipschitz, staysWithinRootThreeForDistances) {
+  EXPECT_LE(lipschitzBound(torusVolume()), std::sqrt(3.0) * (1.0 + 1e-5));
+  EXPECT_GE(lipschitzBound(torusVolume()), 1.0);
+}
+
+/// |f(a) - f(b)| <= L |a - b| for far and near pairs, inside, outside and across the border.
+void expectLipschitz(const Volume& volume, std::uint64_t seed) {
+  const double slope = lipschitzBound(volume);
+  const Box box = bounds(volume);
+  const Box around{box.min - 1.5, box.max + 1.5};
+  const auto points = reference::randomPoints(around, 600, seed);
+  const auto steps = reference::randomPoints({glm::dvec3(-1.0), glm::dvec3(1.0)}, 600, seed + 1);
+  for (std::size_t i = 0; i < points.size(); ++i)
+    for (const double reach : {1e-4, 0.1, 2.0}) {
+      const glm::dvec3 other = points[i] + steps[i] * reach;
+      const double difference = std::abs(sampleVolume(volume, points[i]) - sampleVolume(volume, other));
+      ASSERT_LE(difference, slope * glm::length(points[i] - other) + 1e-13) << "seed " << seed << " point " << i << " reach " << reach;
+    }
+}
+
+TEST(VolumeLipschitz, holdsForRandomPairsOnRandomFields) {
+  for (std::uint64_t seed = 0; seed < 40; ++seed) {
+    expectLipschitz(noiseVolume(seed, 0.0, 0.4), seed);    // gentle, border positive: L is 1 or little more
+    expectLipschitz(noiseVolume(seed, -1.0, 1.0), seed);   // border partly inside
+    expectLipschitz(noiseVolume(seed, -2.0, -1.0), seed);  // inside everywhere
+  }
+  expectLipschitz(torusVolume(), 99);
+}
+
+TEST(VolumeLipschitz, isReachedWhereTheBorderIsInside) {
+  // Inside reaches the border at x = 0 with slope 1 along y: moving away from the box and along y adds up to sqrt(2).
+  const Volume volume = filled({3, 3, 3}, {0, 0, 0}, 1.0, [](const glm::dvec3& p) { return p.y - 3.0; });
+  const glm::dvec3 a{-1.0, 0.5, 1.0};
+  const glm::dvec3 b = a + glm::dvec3(-0.1, 0.1, 0.0);
+  EXPECT_NEAR((sampleVolume(volume, b) - sampleVolume(volume, a)) / glm::length(b - a), lipschitzBound(volume), 1e-12);
+}
+
+TEST(VolumeBits, followRangeAndVoxelSize) {
+  Volume volume = torusVolume();
+  EXPECT_EQ(chooseBits(volume), VolumeBits::half);
+  EXPECT_EQ(chooseBits(volume, VolumeBits::single), VolumeBits::single);
+  volume.distance[5] = 65504.0f;
+  EXPECT_EQ(chooseBits(volume), VolumeBits::half);
+  volume.distance[5] = -65505.0f;
+  EXPECT_EQ(chooseBits(volume), VolumeBits::single);
+  volume.distance[5] = 0.0f;
+  volume.voxelSize = 6.1e-5;
+  EXPECT_EQ(chooseBits(volume), VolumeBits::half);
+  volume.voxelSize = 5.9e-5;
+  EXPECT_EQ(chooseBits(volume), VolumeBits::single);
+}
+
+TEST(VolumeBits, halfKeepsElevenBitsDownToItsSmallestStep) {
+  const Volume volume = torusVolume();
+  const Volume stored = asStored(volume);
+  for (std::size_t i = 0; i < volume.distance.size(); ++i)
+    EXPECT_LE(std::abs(stored.distance[i] - volume.distance[i]), std::max(std::abs(volume.distance[i]) * 0x1p-11f, 0x1p-25f));
+  EXPECT_FALSE(sameBits(stored.distance, volume.distance));
+  expectSame(asStored(volume, VolumeBits::single), volume);
+}
+
+TEST(VolumeFile, comesBackBitForBit) {
+  const TemporaryFolder folder;
+  const Volume volume = torusVolume();
+  for (const VolumeBits bits : {VolumeBits::automatic, VolumeBits::half, VolumeBits::single}) {
+    const auto bytes = writeVolume(folder / "torus.vdb", volume, bits);
+    ASSERT_TRUE(bytes) << message(bytes.error());
+    EXPECT_EQ(bytes.value(), std::filesystem::file_size(folder / "torus.vdb"));
+    const auto back = readVolume(folder / "torus.vdb");
+    ASSERT_TRUE(back) << message(back.error());
+    expectSame(back.value(), asStored(volume, bits));
+  }
+}
+
+RC_GTEST_PROP(VolumeFile, comesBackBitForBitWhateverItHolds, ()) {
+  const TemporaryFolder folder;
+  Volume volume;
+  for (int axis = 0; axis < 3; ++axis) volume.size[axis] = *rc::gen::inRange(2, 20);
+  const auto number = [](double scale) { return scale * static_cast<double>(*rc::gen::arbitrary<std::int32_t>()) / 2147483648.0; };
+  volume.origin = {number(1e5), number(1e-3), number(1.0)};
+  volume.voxelSize = std::exp2(*rc::gen::inRange(-40, 40) + 0.3);
+  volume.signMethod = *rc::gen::arbitrary<std::string>();
+  for (std::size_t n = sampleIndex(volume, 0, 0, volume.size.z); n > 0; --n)
+    volume.distance.push_back(static_cast<float>(number(volume.voxelSize * 20)));
+  const auto written = writeVolume(folder / "any.vdb", volume, VolumeBits::single);
+  RC_ASSERT(written.ok());
+  const auto back = readVolume(folder / "any.vdb");
+  RC_ASSERT(back.ok());
+  RC_ASSERT(back.value().size == volume.size);
+  RC_ASSERT(back.value().origin == volume.origin);
+  RC_ASSERT(back.value().voxelSize == volume.voxelSize);
+  RC_ASSERT(back.value().signMethod == volume.signMethod);
+  RC_ASSERT(sameBits(back.value().distance, volume.distance));
+}
+
+TEST(VolumeFile, keepsExtremeScalesAndPlaces) {
+  const TemporaryFolder folder;
+  for (const double scale : {1e-9, 1e-6, 1.4e-5, 1.0, 1e6, 1e12}) {
+    const auto field = [&](const glm::dvec3& p) { return reference::sphereDistance(p / scale - 1e5, 2.0) * scale; };
+    const Volume volume = filled({9, 9, 9}, glm::dvec3(1e5 - 4.0) * scale, scale, field);
+    ASSERT_TRUE(writeVolume(folder / "extreme.vdb", volume));
+    const auto back = readVolume(folder / "extreme.vdb");
+    ASSERT_TRUE(back) << scale << ": " << message(back.error());
+    expectSame(back.value(), asStored(volume));
+  }
+}
+
+TEST(VolumeFile, hasTheSameBytesForAnyThreadCount) {
+  const TemporaryFolder folder;
+  std::vector<std::byte> first;
+  for (const std::size_t threads : {1u, 2u, 4u}) {
+    const tbb::global_control control(tbb::global_control::max_allowed_parallelism, threads);
+    ASSERT_TRUE(writeVolume(folder / "same.vdb", torusVolume()));
+    const auto bytes = fileBytes(folder / "same.vdb");
+    if (first.empty()) first = bytes;
+    EXPECT_EQ(bytes, first);
+  }
+  Volume other = torusVolume();
+  other.distance[100] += 0.5f;
+  ASSERT_TRUE(writeVolume(folder / "other.vdb", other));
+  const auto uuid = [](const std::vector<std::byte>& bytes) { return std::vector<std::byte>(bytes.begin() + 21, bytes.begin() + 57); };
+  EXPECT_NE(uuid(fileBytes(folder / "other.vdb")), uuid(first));
+}
+
+TEST(VolumeFile, isNoLargerThanNeedBe) {
+  const TemporaryFolder folder;
+  const Volume volume =
+      filled({64, 48, 40}, {-1.6, -1.2, -1.0}, 0.05, [](const glm::dvec3& p) { return reference::torusDistance(p, 1.0, 0.4); });
+  const auto bytes = writeVolume(folder / "torus.vdb", volume);
+  ASSERT_TRUE(bytes);
+  EXPECT_LT(bytes.value(), volume.distance.size() * 2 * 11 / 10);  // raw half floats and a tenth
+}
+
+TEST(VolumeFile, refusesDistancesThatHalfCannotHold) {
+  const TemporaryFolder folder;
+  Volume volume = torusVolume();
+  ASSERT_TRUE(writeVolume(folder / "old.vdb", volume));
+  const auto before = fileBytes(folder / "old.vdb");
+  volume.distance[0] = 1e6f;
+  const auto refused = writeVolume(folder / "old.vdb", volume, VolumeBits::half);
+  ASSERT_FALSE(refused);
+  EXPECT_NE(refused.error().reason.find("half float"), std::string::npos);
+  EXPECT_EQ(fileBytes(folder / "old.vdb"), before);
+  EXPECT_TRUE(writeVolume(folder / "old.vdb", volume));
+}
+
+TEST(VolumeFile, missingOrForeignBytesAreErrors) {
+  const TemporaryFolder folder;
+  const auto missing = readVolume(folder / "missing.vdb");
+  ASSERT_FALSE(missing);
+  EXPECT_NE(message(missing.error()).find("missing.vdb"), std::string::npos);
+  putBytes(folder / "empty.vdb", {});
+  EXPECT_FALSE(readVolume(folder / "empty.vdb"));
+  putBytes(folder / "text.vdb", std::vector<std::byte>(5000, std::byte{'a'}));
+  const auto text = readVolume(folder / "text.vdb");
+  ASSERT_FALSE(text);
+  EXPECT_NE(text.error().reason.find("OpenVDB"), std::string::npos);
+}
+
+TEST(VolumeFile, cutShortIsAnError) {
+  const TemporaryFolder folder;
+  ASSERT_TRUE(writeVolume(folder / "whole.vdb", torusVolume()));
+  const auto whole = fileBytes(folder / "whole.vdb");
+  for (std::size_t part = 0; part < 60; ++part) {
+    auto bytes = whole;
+    bytes.resize(whole.size() * part / 60);
+    putBytes(folder / "cut.vdb", bytes);
+    EXPECT_FALSE(readVolume(folder / "cut.vdb")) << bytes.size() << " of " << whole.size();
+  }
+}
+
+TEST(VolumeFile, accidentsEndInAVolumeOrAnError) {
+  const TemporaryFolder folder;
+  ASSERT_TRUE(writeVolume(folder / "whole.vdb", torusVolume()));
+  const auto whole = fileBytes(folder / "whole.vdb");
+  SandboxLimits limits;
+  limits.wallTime = std::chrono::milliseconds(500);
+  int errors = 0;
+  for (std::uint64_t seed = 0; seed < 300; ++seed) {
+    putBytes(folder / "accident.vdb", mutated(whole, seed));
+    const auto volume = readVolume(folder / "accident.vdb", limits);
+    if (volume) {
+      EXPECT_TRUE(isWhole(volume.value())) << seed;
+    } else {
+      ++errors;
+      EXPECT_NE(message(volume.error()).find("accident.vdb: "), std::string::npos) << seed;
+      EXPECT_EQ(message(volume.error()).find('\n'), std::string::npos) << seed;
+    }
+  }
+  EXPECT_GT(errors, 100);
+}
+
+}  // namespace
+}  // namespace overcast
