@@ -10,8 +10,9 @@
 namespace overcast {
 namespace {
 
+/// NaN becomes 0.
 std::uint8_t quantised(float value) {
-  return static_cast<std::uint8_t>(std::lround(std::clamp(value, 0.0f, 1.0f) * 255.0f));
+  return value > 0.0f ? static_cast<std::uint8_t>(std::lround(std::min(value, 1.0f) * 255.0f)) : 0;
 }
 
 /// libpng's simplified interface: no callbacks, no longjmp through our frames. The control structure frees itself on every way out.

@@ -165,8 +165,10 @@ Result<Done> takeMetadata(const openvdb::FloatGrid& grid, const std::string& fil
 
 Result<Done> takeSize(const openvdb::CoordBBox& box, const std::string& file, Volume& volume) {
   if (box.empty()) return Error{file, kGridName, "has no active voxels"};
+  const openvdb::Coord first = box.min();
+  const openvdb::Coord last = box.max();
   for (int axis = 0; axis < 3; ++axis) {
-    const std::int64_t side = std::int64_t{box.max()[axis]} - box.min()[axis] + 1;
+    const std::int64_t side = std::int64_t{last.data()[axis]} - first.data()[axis] + 1;
     if (side < 2 || side > kMaxVolumeSide)
       return Error{file, kGridName, fmt::format("has {} samples along an axis, allowed are 2 to {}", side, kMaxVolumeSide)};
     volume.size[axis] = static_cast<int>(side);
