@@ -1,1 +1,57 @@
-int main() { return 0; }
+// overcast-bake: the table of its commands.
+#include <cstdio>
+#include <exception>
+#include <new>
+
+#include "bake/bake_command.h"
+#include "bake/command.h"
+#include "bake/inspect_command.h"
+#include "bake/validate_command.h"
+
+namespace {
+
+using namespace overcast;
+
+constexpr Command kCommands[] = {
+    {"bake", "bake meshes and scenes into a folder (the command when none is named)", bakeCommand},
+    {"inspect", "print what is in a baked scene, a plain scene, a mesh or a volume", inspectCommand},
+    {"validate", "check a baked scene or a volume: files, hashes, bounds, values", validateCommand},
+};
+
+void printHelp() {
+  fmt::print(
+      "overcast-bake INPUT... -o FOLDER     bake meshes and scenes, see overcast-bake bake --help\n"
+      "overcast-bake COMMAND ...            run a command, each has its own --help\n\nCommands:\n");
+  for (const Command& command : kCommands) fmt::print("  {:10} {}\n", command.name, command.summary);
+  fmt::print("  {:10} {}\n  {:10} {}\n\n{}\n", "--help", "this text", "--version", "the version", kExitCodeHelp);
+}
+
+int run(std::vector<std::string> arguments) {
+  if (arguments.empty() || arguments[0] == "--help" || arguments[0] == "-h") {
+    printHelp();
+    return arguments.empty() ? kUsage : kOk;
+  }
+  if (arguments[0] == "--version") {
+    fmt::print("overcast-bake {}\n", OVERCAST_VERSION);
+    return kOk;
+  }
+  for (const Command& command : kCommands) {
+    if (arguments[0] != command.name) continue;
+    arguments.erase(arguments.begin());
+    return command.run(arguments);
+  }
+  return bakeCommand(arguments);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  try {
+    return run(std::vector<std::string>(argv + 1, argv + argc));
+  } catch (const std::bad_alloc&) {
+    complain(Error{"", "", "out of memory"});
+  } catch (const std::exception& problem) {
+    complain(Error{"", "", fmt::format("internal error: {}", problem.what())});
+  }
+  return kInternal;
+}

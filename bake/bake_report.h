@@ -1,0 +1,34 @@
+// Bake report: what a bake found and made, as lines for people and as JSON for programs.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "bake/scene_bake.h"
+
+namespace overcast {
+
+/// "bunny.off: 69,630 faces, 32x31x25, 0.12 s, rms 0.03 voxel, closed, signed-crossings"
+std::string summaryLine(const MeshBake& mesh);
+
+/// What the user should know about a mesh, one line each without its name; empty for a clean one.
+std::vector<std::string> remarks(const MeshDiagnosis& found, double ambiguousSign);
+std::vector<std::string> remarks(const MeshReadReport& report);
+
+/// The number with thousands separated by commas.
+std::string grouped(std::uint64_t number);
+
+/// What happened to one input besides its meshes.
+struct InputReport {
+  std::filesystem::path path;
+  std::vector<std::string> notes;
+  std::vector<Error> errors;
+};
+
+/// The document of `overcast-bake --json`, version 1: inputs (file, notes, errors, meshes), files (path, bytes), seconds.
+/// Lengths are in local units of the mesh, errors also in voxels.
+std::string bakeJson(const std::vector<InputReport>& inputs, const SceneBake& bake, const std::vector<std::filesystem::path>& files,
+                     double seconds);
+
+}  // namespace overcast

@@ -1,0 +1,55 @@
+#include "bake/command.h"
+
+#include <csignal>
+#include <cstdio>
+
+#include <CLI/CLI.hpp>
+
+namespace overcast {
+namespace {
+
+volatile std::sig_atomic_t stopRequested = 0;
+
+void requestStop(int) {
+  stopRequested = 1;
+}
+
+}  // namespace
+
+const char* const kExitCodeHelp =
+    "Exit codes: 0 done; 1 internal error; 2 wrong arguments; 3 an input cannot be read or baked (nothing was written);\n"
+    "4 the output cannot be written; 5 validate found something; 6 some inputs failed under --keep-going; 130 interrupted.\n"
+    "Results go to stdout, messages to stderr.";
+
+int parseArguments(CLI::App& app, const std::vector<std::string>& arguments) {
+  app.footer(kExitCodeHelp);
+  try {
+    // CLI11 takes the arguments from the back.
+    app.parse(std::vector<std::string>(arguments.rbegin(), arguments.rend()));
+  } catch (const CLI::Success& success) {
+    app.exit(success);
+    return kOk;
+  } catch (const CLI::ParseError& mistake) {
+    complain(Error{"", "", fmt::format("{} (see --help)", mistake.what())});
+    return kUsage;
+  }
+  return -1;
+}
+
+void complain(const Error& error) {
+  fmt::print(stderr, "overcast-bake: {}\n", message(error));
+}
+
+void watchInterrupts() {
+  struct sigaction action = {};
+  action.sa_handler = requestStop;
+  action.sa_flags = static_cast<int>(SA_RESETHAND);
+  sigaction(SIGINT, &action, nullptr);
+  sigaction(SIGTERM, &action, nullptr);
+}
+
+bool interrupted() {
+  return stopRequested != 0;
+}
+
+}  // namespace overcast

@@ -1,0 +1,266 @@
+#include "bake/scene_bake.h"
+
+#include <unistd.h>
+
+#include <algorithm>
+#include <atomic>
+#include <bit>
+#include <chrono>
+#include <map>
+#include <span>
+#include <system_error>
+
+#include <tbb/parallel_for.h>
+
+#include "formats/files.h"
+
+namespace overcast {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// Part of every hash: raise it when the same input would bake to other bytes.
+constexpr int kBakerVersion = 1;
+
+template <class T>
+std::string bytesHash(const std::vector<T>& values) {
+  return contentHash(std::as_bytes(std::span(values)));
+}
+
+std::string bakeHash(const Mesh& mesh, const VolumeSettings& settings) {
+  const std::string text =
+      fmt::format("volume {} {} {} {} {:x} {:x} {} {} {}", kBakerVersion, bytesHash(mesh.positions), bytesHash(mesh.triangles),
+                  settings.resolution, std::bit_cast<std::uint64_t>(settings.voxelSize), std::bit_cast<std::uint64_t>(settings.padding),
+                  static_cast<int>(settings.bits), settings.errorSamples, settings.seed);
+  return contentHash(std::as_bytes(std::span(text)));
+}
+
+/// A name that is a plain file name everywhere.
+std::string fileNameOf(const std::string& name) {
+  std::string safe;
+  for (const char c : name) {
+    const bool plain = (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '-' || c == '_';
+    safe += plain ? c : '_';
+    if (safe.size() == 40) break;
+  }
+  return safe.empty() ? "mesh" : safe;
+}
+
+/// Takes meshes that cannot occlude anything off their nodes; says how many meshes are left.
+std::size_t dropEmptyMeshes(Scene& scene) {
+  std::vector<char> empty;
+  std::size_t left = 0;
+  for (const Mesh& mesh : scene.meshes) {
+    empty.push_back(mesh.triangles.empty() || extent(bounds(mesh)) == glm::dvec3(0.0));
+    left += !empty.back();
+  }
+  for (Node& node : scene.nodes) {
+    if (node.mesh < 0 || !empty[static_cast<std::size_t>(node.mesh)]) continue;
+    scene.notes.push_back(fmt::format("node '{}': its mesh has no triangle with an extent and is left out", node.name));
+    node.mesh = -1;
+  }
+  return left;
+}
+
+template <class T>
+void appendTo(std::vector<T>& all, std::vector<T>& more) {
+  all.insert(all.end(), std::make_move_iterator(more.begin()), std::make_move_iterator(more.end()));
+}
+
+/// Adds `other` to `scene` with every index moved behind what is there.
+void appendScene(Scene& scene, Scene other) {
+  const auto shift = [](int& index, std::size_t by) {
+    if (index >= 0) index += static_cast<int>(by);
+  };
+  for (Mesh& mesh : other.meshes)
+    for (MeshPart& part : mesh.parts) shift(part.material, scene.materials.size());
+  for (Node& node : other.nodes) {
+    shift(node.parent, scene.nodes.size());
+    for (int& child : node.children) shift(child, scene.nodes.size());
+    shift(node.mesh, scene.meshes.size());
+    shift(node.camera, scene.cameras.size());
+    node.occluder.reset();
+  }
+  for (Animation& animation : other.animations)
+    for (AnimationChannel& channel : animation.channels) shift(channel.node, scene.nodes.size());
+  appendTo(scene.meshes, other.meshes);
+  appendTo(scene.materials, other.materials);
+  appendTo(scene.cameras, other.cameras);
+  appendTo(scene.nodes, other.nodes);
+  appendTo(scene.animations, other.animations);
+  appendTo(scene.notes, other.notes);
+  if (!scene.lighting) scene.lighting = other.lighting;
+}
+
+/// The volume a mesh uses: its own, or the one it shares.
+const MeshBake& owner(const SceneBake& bake, const MeshBake& mesh) {
+  return mesh.sameAs < 0 ? mesh : bake.meshes[static_cast<std::size_t>(mesh.sameAs)];
+}
+
+/// Writes the scene into a folder of its own first, so that a full disk harms nothing, then moves it into place.
+Result<Done> replaceScene(const fs::path& folder, const std::string& name, const Scene& scene) {
+  const fs::path staging = folder / fmt::format(".overcast-{}", ::getpid());
+  const std::string gltf = name + ".gltf", bin = name + ".bin";
+  const auto written = writeScene(staging / gltf, scene);
+  std::error_code code;
+  if (written.ok()) {
+    // The old .gltf must not meet the new .bin.
+    fs::remove(folder / gltf, code);
+    if (!code) fs::rename(staging / bin, folder / bin, code);
+    if (!code) fs::rename(staging / gltf, folder / gltf, code);
+  }
+  std::error_code ignored;
+  fs::remove_all(staging, ignored);
+  if (!written) return Error{(folder / gltf).string(), written.error().place, written.error().reason};
+  if (code) return Error{(folder / gltf).string(), "", code.message()};
+  return Done{};
+}
+
+Result<Occluder> writeVolumeOf(const MeshBake& mesh, const std::string& name, const fs::path& folder, const VolumeSettings& settings) {
+  const Volume& volume = mesh.volume->volume;
+  Occluder occluder;
+  occluder.uri = fmt::format("volumes/{}-{}.vdb", fileNameOf(name), mesh.hash.substr(0, 8));
+  const fs::path path = folder / occluder.uri;
+  const auto bytes = writeVolume(path, volume, settings.bits);
+  if (!bytes) return bytes.error();
+  const auto content = readFile(path);
+  if (!content) return content.error();
+  occluder.bytes = bytes.value();
+  occluder.contentHash = contentHash(content.value());
+  occluder.bounds = bounds(volume);
+  // Contact shadows fade with the size of what casts them: beyond one diagonal an object no longer darkens visibly.
+  occluder.influenceRadius = diagonal(occluder.bounds);
+  occluder.lipschitz = lipschitzBound(volume);
+  occluder.signMethod = volume.signMethod;
+  occluder.error = mesh.volume->error;
+  occluder.source = mesh.source;
+  occluder.settingsHash = mesh.hash;
+  return occluder;
+}
+
+}  // namespace
+
+Result<BakeInput> readBakeInput(const fs::path& path) {
+  std::error_code code;
+  if (fs::is_directory(path, code)) return Error{path.string(), "", "is a folder; name the files in it"};
+  BakeInput input;
+  input.path = path;
+  if (isMeshFile(path)) {
+    auto mesh = readMesh(path);
+    if (!mesh) return mesh.error();
+    input.report = mesh.value().report;
+    Mesh& read = mesh.value().mesh;
+    if (read.name.empty()) read.name = path.stem().string();
+    input.scene = sceneFromMesh(std::move(read));
+  } else if (isSceneFile(path)) {
+    auto scene = readScene(path);
+    if (!scene) return scene.error();
+    input.scene = std::move(scene).value();
+  } else {
+    return Error{path.string(), "", "is neither a mesh (.obj .ply .stl .off) nor a scene (.gltf .glb)"};
+  }
+  if (dropEmptyMeshes(input.scene) == 0) return Error{path.string(), "", "holds no mesh with an extent"};
+  return input;
+}
+
+SceneBake joinInputs(std::vector<BakeInput> inputs, const VolumeSettings& settings) {
+  SceneBake bake;
+  std::map<std::string, int> known;
+  for (BakeInput& input : inputs) {
+    const auto first = static_cast<int>(bake.scene.meshes.size());
+    const std::string file = input.path.filename().string();
+    std::vector<char> used(input.scene.meshes.size(), 0);
+    for (const Node& node : input.scene.nodes)
+      if (node.mesh >= 0) used[static_cast<std::size_t>(node.mesh)] = 1;
+    for (std::size_t m = 0; m < input.scene.meshes.size(); ++m) {
+      if (!used[m]) continue;
+      const Mesh& mesh = input.scene.meshes[m];
+      MeshBake job;
+      job.mesh = first + static_cast<int>(m);
+      job.input = static_cast<int>(bake.inputs.size());
+      job.source = isMeshFile(input.path) || mesh.name.empty() ? file : file + ": " + mesh.name;
+      job.hash = bakeHash(mesh, settings);
+      job.faces = mesh.triangles.size();
+      const auto [place, fresh] = known.emplace(job.hash, static_cast<int>(bake.meshes.size()));
+      if (!fresh) job.sameAs = place->second;
+      bake.meshes.push_back(std::move(job));
+    }
+    bake.inputs.push_back(input.path);
+    if (inputs.size() == 1) bake.scene.name = input.scene.name;
+    appendScene(bake.scene, std::move(input.scene));
+  }
+  if (!bake.scene.lighting) bake.scene.lighting = Lighting{};
+  return bake;
+}
+
+void bakeMeshes(SceneBake& bake, const VolumeSettings& settings, const Progress& progress, const MeshDone& done) {
+  std::vector<std::size_t> jobs;
+  for (std::size_t i = 0; i < bake.meshes.size(); ++i)
+    if (bake.meshes[i].sameAs < 0) jobs.push_back(i);
+  std::vector<std::atomic<double>> shares(jobs.size());
+  const auto report = [&](std::size_t job, double share) {
+    shares[job] = share;
+    double sum = 0.0;
+    for (const std::atomic<double>& one : shares) sum += one;
+    return !progress || progress(sum / static_cast<double>(jobs.size()));
+  };
+  tbb::parallel_for(std::size_t{0}, jobs.size(), [&](std::size_t job) {
+    MeshBake& mesh = bake.meshes[jobs[job]];
+    const auto start = std::chrono::steady_clock::now();
+    auto baked =
+        bakeVolume(bake.scene.meshes[static_cast<std::size_t>(mesh.mesh)], settings, [&](double share) { return report(job, share); });
+    mesh.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    if (baked.ok()) {
+      mesh.volume = std::move(baked).value();
+    } else {
+      const fs::path& file = bake.inputs[static_cast<std::size_t>(mesh.input)];
+      const bool named = mesh.source != file.filename().string();
+      mesh.error = Error{file.string(), named ? bake.scene.meshes[static_cast<std::size_t>(mesh.mesh)].name : "", baked.error().reason};
+    }
+    if (done) done(mesh);
+  });
+}
+
+void dropFailedInputs(SceneBake& bake) {
+  std::vector<char> failed(bake.inputs.size(), 0);
+  for (const MeshBake& mesh : bake.meshes)
+    if (owner(bake, mesh).error) failed[static_cast<std::size_t>(mesh.input)] = 1;
+  for (const MeshBake& mesh : bake.meshes) {
+    if (!failed[static_cast<std::size_t>(mesh.input)]) continue;
+    for (Node& node : bake.scene.nodes)
+      if (node.mesh == mesh.mesh) node.mesh = -1;
+  }
+}
+
+std::string outputName(const std::vector<fs::path>& inputs) {
+  return inputs.size() == 1 && isSceneFile(inputs[0]) ? inputs[0].stem().string() : "scene";
+}
+
+Result<std::vector<fs::path>> writeBake(SceneBake& bake, const fs::path& folder, const std::string& name, const VolumeSettings& settings) {
+  std::error_code code;
+  if (fs::exists(folder, code) && !fs::is_directory(folder, code)) return Error{folder.string(), "", "is not a folder"};
+  std::vector<fs::path> files;
+  for (MeshBake& mesh : bake.meshes) {
+    const bool wanted =
+        std::any_of(bake.scene.nodes.begin(), bake.scene.nodes.end(), [&](const Node& node) { return node.mesh == mesh.mesh; });
+    if (!wanted) continue;
+    const MeshBake& baked = owner(bake, mesh);
+    if (!baked.occluder.uri.empty()) {
+      mesh.occluder = baked.occluder;
+    } else {
+      auto occluder = writeVolumeOf(baked, bake.scene.meshes[static_cast<std::size_t>(baked.mesh)].name, folder, settings);
+      if (!occluder) return occluder.error();
+      mesh.occluder = bake.meshes[static_cast<std::size_t>(&baked - bake.meshes.data())].occluder = occluder.value();
+      files.push_back(folder / mesh.occluder.uri);
+    }
+    for (Node& node : bake.scene.nodes)
+      if (node.mesh == mesh.mesh) node.occluder = mesh.occluder;
+  }
+  const auto written = replaceScene(folder, name, bake.scene);
+  if (!written) return written.error();
+  files.push_back(folder / (name + ".bin"));
+  files.push_back(folder / (name + ".gltf"));
+  return files;
+}
+
+}  // namespace overcast

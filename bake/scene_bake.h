@@ -1,0 +1,70 @@
+// Scene bake: inputs become one scene, every mesh gets its occluder, everything is written to one folder.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "bake/volume.h"
+#include "formats/mesh.h"
+#include "formats/scene.h"
+
+namespace overcast {
+
+/// One input file as read.
+struct BakeInput {
+  std::filesystem::path path;
+  Scene scene;
+  std::optional<MeshReadReport> report;  ///< of mesh files
+};
+
+/// Reads a mesh file (a scene of one node, formats/scene.h) or a glTF scene. An Error that names the file when it is neither, cannot be
+/// read, or holds no triangle. Meshes without a triangle or without extent are taken off their nodes with a note in scene.notes.
+Result<BakeInput> readBakeInput(const std::filesystem::path& path);
+
+/// One mesh of the scene and what became of it. Meshes with the same geometry share one bake.
+struct MeshBake {
+  int mesh = -1;       ///< index into SceneBake::scene.meshes
+  int input = -1;      ///< index into SceneBake::inputs
+  std::string source;  ///< "bunny.off", or "truck.glb: wheel"
+  int sameAs = -1;     ///< index of the MeshBake whose volume this one shares, or -1
+  std::string hash;    ///< of geometry, settings and baker
+  std::uint64_t faces = 0;
+  double seconds = 0.0;
+  std::optional<BakedVolume> volume;  ///< empty when shared or failed
+  std::optional<Error> error;
+  Occluder occluder;  ///< filled by writeBake
+};
+
+/// All inputs side by side, and their bakes.
+struct SceneBake {
+  Scene scene;
+  std::vector<std::filesystem::path> inputs;
+  std::vector<MeshBake> meshes;
+};
+
+/// Puts the inputs side by side into one scene, as they lie: their roots become its roots. The first lighting found is kept.
+SceneBake joinInputs(std::vector<BakeInput> inputs, const VolumeSettings& settings);
+
+/// Called from any thread when a mesh is done.
+using MeshDone = std::function<void(const MeshBake&)>;
+
+/// Bakes every distinct mesh, several at once on the calling TBB arena. Failures land in MeshBake::error.
+void bakeMeshes(SceneBake& bake, const VolumeSettings& settings, const Progress& progress = {}, const MeshDone& done = {});
+
+/// Takes the inputs whose meshes failed out of the scene (their nodes lose mesh and occluder).
+void dropFailedInputs(SceneBake& bake);
+
+/// What the scene of these inputs is called: a single glTF scene keeps its stem ("default"), everything else makes a "scene".
+std::string outputName(const std::vector<std::filesystem::path>& inputs);
+
+/// Writes folder/<name>.gltf, <name>.bin and volumes/<mesh>-<hash>.vdb and returns their paths, the scene last. Volumes are named by what
+/// they hold and the scene replaces an older one only when all of it is on disk: whoever kills the process finds the old scene, the new
+/// one, or (between two renames) none, but never a mixture.
+Result<std::vector<std::filesystem::path>> writeBake(SceneBake& bake, const std::filesystem::path& folder, const std::string& name,
+                                                     const VolumeSettings& settings);
+
+}  // namespace overcast
