@@ -4,6 +4,7 @@
 #include <map>
 
 #include "formats/files.h"
+#include "runtime/passes/shade/shade_pass.h"
 
 namespace overcast {
 namespace {
@@ -108,6 +109,8 @@ Result<Done> fillScene(const Device& device, const fs::path& path, RuntimeScene&
   if (!read) return read.error();
   scene.scene = std::move(read).value();
   scene.lighting = scene.scene.lighting.value_or(Lighting{});
+  const Result<SkyTaps> taps = skyTaps(scene.lighting.estimator, scene.lighting.globalVolume.resolution);
+  if (!taps) return Error{path.string(), taps.error().place, taps.error().reason};
   scene.bounds = worldBounds(scene.scene);
   const Result<std::vector<std::uint32_t>> volumeNodes = collectObjects(path, scene);
   if (!volumeNodes) return volumeNodes.error();

@@ -1,12 +1,12 @@
 #version 460
+#include "runtime/passes/shade/shade.h"
 #include "runtime/passes/tonemap/tonemap.h"
 
 layout(local_size_x = 8, local_size_y = 8) in;
 layout(push_constant) uniform Push { TonemapPush push; };
-layout(binding = 0) uniform sampler2D radiance;  // rgb: radiance, a: sky visibility
-layout(binding = 1) uniform sampler2D depth;
-layout(binding = 2, rgba32f) writeonly uniform image2D resolved;
-layout(binding = 3, rgba8) writeonly uniform image2D display;
+layout(binding = 0) uniform sampler2D light;  // rgb: radiance, a: sky visibility or kNoSurface
+layout(binding = 1, rgba32f) writeonly uniform image2D resolved;
+layout(binding = 2, rgba8) writeonly uniform image2D display;
 
 void main() {
   const ivec2 pixel = ivec2(gl_GlobalInvocationID.xy);
@@ -16,8 +16,9 @@ void main() {
   for (int y = 0; y < side; ++y) {
     for (int x = 0; x < side; ++x) {
       const ivec2 texel = pixel * side + ivec2(x, y);
-      if (texelFetch(depth, texel, 0).x > 0.0) {
-        sum += texelFetch(radiance, texel, 0);
+      const vec4 lit = texelFetch(light, texel, 0);
+      if (lit.a != kNoSurface) {
+        sum += lit;
         continue;
       }
       const vec2 place = (vec2(texel) + 0.5) / vec2(push.size.xy * side);

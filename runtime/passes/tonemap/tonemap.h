@@ -20,9 +20,9 @@ struct TonemapPush {
 /// above the horizon.
 OVERCAST_INLINE vec3 backdrop(vec3 sky, float elevation) {
   float grey = dot(sky, vec3(0.2126f, 0.7152f, 0.0722f));
-  vec3 zenith = sky * mix(sky / max(grey, 1.0e-6f), vec3(1.0f), 0.25f) * 0.62f;
-  vec3 horizon = mix(sky, vec3(grey), 0.55f) * 0.92f;
-  vec3 ground = mix(sky, vec3(grey), 0.75f) * 0.50f;
+  vec3 zenith = sky * mix(sky / max(grey, 1.0e-6f), vec3(1.0f), 0.25f) * 0.34f;
+  vec3 horizon = mix(sky, vec3(grey), 0.45f) * 0.56f;
+  vec3 ground = mix(sky, vec3(grey), 0.75f) * 0.24f;
   vec3 above = mix(horizon, zenith, smoothstep(0.0f, 0.9f, elevation));
   return mix(above, ground, smoothstep(0.0f, 0.75f, -elevation));
 }

@@ -23,10 +23,8 @@ Result<GpuImage> makeResult(const Device& device, VkExtent3D extent, VkFormat fo
 Result<Done> fillPass(const Device& device, TonemapPass& pass, VkExtent3D extent) {
   ComputeSettings settings;
   settings.shader = {"runtime/passes/tonemap/tonemap.comp.glsl", {}};
-  settings.bindings = {{0, VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER},
-                       {1, VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER},
-                       {2, VK_DESCRIPTOR_TYPE_STORAGE_IMAGE},
-                       {3, VK_DESCRIPTOR_TYPE_STORAGE_IMAGE}};
+  settings.bindings = {
+      {0, VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER}, {1, VK_DESCRIPTOR_TYPE_STORAGE_IMAGE}, {2, VK_DESCRIPTOR_TYPE_STORAGE_IMAGE}};
   settings.pushBytes = sizeof(TonemapPush);
   Result<Pipeline> pipeline = makeComputePipeline(device, settings);
   if (!pipeline) return pipeline.error();
@@ -48,10 +46,9 @@ Result<Done> fillPass(const Device& device, TonemapPass& pass, VkExtent3D extent
 
 }  // namespace
 
-Result<TonemapPass> makeTonemapPass(const Device& device, const GpuImage& radiance, VkImageLayout radianceLayout, const GpuImage& depth,
-                                    int samplesPerSide) {
+Result<TonemapPass> makeTonemapPass(const Device& device, const GpuImage& light, int samplesPerSide) {
   const auto side = static_cast<std::uint32_t>(samplesPerSide);
-  const VkExtent3D& full = radiance.extent;
+  const VkExtent3D& full = light.extent;
   OVERCAST_REQUIRE(samplesPerSide > 0 && full.width % side == 0 && full.height % side == 0, "{}x{} by {}", full.width, full.height, side);
   TonemapPass pass;
   pass.samplesPerSide = samplesPerSide;
@@ -60,10 +57,9 @@ Result<TonemapPass> makeTonemapPass(const Device& device, const GpuImage& radian
     destroyTonemapPass(device, pass);
     return filled.error();
   }
-  writeSampledImage(device, pass.set, 0, radiance.view, pass.sampler, radianceLayout);
-  writeSampledImage(device, pass.set, 1, depth.view, pass.sampler);
-  writeStorageImage(device, pass.set, 2, pass.resolved.mipViews[0]);
-  writeStorageImage(device, pass.set, 3, pass.display.mipViews[0]);
+  writeSampledImage(device, pass.set, 0, light.view, pass.sampler);
+  writeStorageImage(device, pass.set, 1, pass.resolved.mipViews[0]);
+  writeStorageImage(device, pass.set, 2, pass.display.mipViews[0]);
   return pass;
 }
 

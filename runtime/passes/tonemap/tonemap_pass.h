@@ -28,10 +28,9 @@ struct TonemapView {
   float exposure = 1.0f;
 };
 
-/// A pass from `radiance` (RGBA16F; rgb radiance, a sky visibility; sampled in `radianceLayout`) and `depth` (0: nothing there; layout
-/// SHADER_READ_ONLY_OPTIMAL), both `samplesPerSide` times as wide and high as the picture. They must outlive the pass.
-Result<TonemapPass> makeTonemapPass(const Device& device, const GpuImage& radiance, VkImageLayout radianceLayout, const GpuImage& depth,
-                                    int samplesPerSide);
+/// A pass from `light` (ShadePass::light: RGBA16F; rgb radiance, a sky visibility or shared::kNoSurface; layout SHADER_READ_ONLY_OPTIMAL),
+/// `samplesPerSide` times as wide and high as the picture. It must outlive the pass.
+Result<TonemapPass> makeTonemapPass(const Device& device, const GpuImage& light, int samplesPerSide);
 void destroyTonemapPass(const Device& device, TonemapPass& pass);
 
 /// Reads what earlier commands made visible to sampling in compute shaders. Afterwards both images may be copied from (transfer) in layout

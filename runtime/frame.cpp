@@ -1,0 +1,238 @@
+#include "runtime/frame.h"
+
+#include <algorithm>
+#include <cstring>
+
+namespace overcast {
+namespace {
+
+constexpr int kMaxSupersample = 8;
+constexpr Access kReadable{VK_PIPELINE_STAGE_2_ALL_TRANSFER_BIT, VK_ACCESS_2_TRANSFER_READ_BIT, VK_IMAGE_LAYOUT_GENERAL};
+
+Result<Done> checkSettings(const FrameSettings& settings) {
+  if (settings.supersample < 1 || settings.supersample > kMaxSupersample)
+    return Error{"", "", fmt::format("supersampling of {} is outside 1 to {}", settings.supersample, kMaxSupersample)};
+  const int most = kMaxImageSide / settings.supersample;
+  if (settings.width < 1 || settings.height < 1 || settings.width > most || settings.height > most)
+    return Error{"", "", fmt::format("a picture of {}x{} is outside 1x1 to {}x{}", settings.width, settings.height, most, most)};
+  if (settings.resolution && (*settings.resolution < 32 || *settings.resolution > 256 || *settings.resolution % 8 != 0))
+    return Error{"", "", fmt::format("a global volume of {} voxels is not a multiple of 8 from 32 to 256", *settings.resolution)};
+  if (settings.taps && (*settings.taps < 1 || *settings.taps > shared::kMaxTaps))
+    return Error{"", "", fmt::format("{} taps are outside 1 to {}", *settings.taps, shared::kMaxTaps)};
+  return Done{};
+}
+
+/// Moves a Result's value into `into`, or hands its Error on.
+template <class T>
+Result<Done> take(Result<T> made, T& into) {
+  if (!made) return made.error();
+  into = std::move(made).value();
+  return Done{};
+}
+
+void destroyTargets(const Device& device, FrameTargets& targets) {
+  destroyTonemapPass(device, targets.tonemap);
+  destroyShadePass(device, targets.shade);
+  destroyGeometryImages(device, targets.images);
+}
+
+Result<Done> makeTargets(const Device& device, FrameRenderer& renderer) {
+  FrameTargets& targets = renderer.targets;
+  const FrameSettings& settings = renderer.settings;
+  const VkExtent2D full{static_cast<std::uint32_t>(settings.width * settings.supersample),
+                        static_cast<std::uint32_t>(settings.height * settings.supersample)};
+  Result<Done> done = take(makeGeometryImages(device, full), targets.images);
+  if (done) done = take(makeShadePass(device, targets.images, renderer.pyramid, renderer.taps), targets.shade);
+  if (done) done = take(makeTonemapPass(device, targets.shade.light, settings.supersample), targets.tonemap);
+  return done;
+}
+
+Result<Done> makeSubmission(const Device& device, FrameRenderer& renderer) {
+  VkCommandBufferAllocateInfo allocate{VK_STRUCTURE_TYPE_COMMAND_BUFFER_ALLOCATE_INFO};
+  allocate.commandPool = device.commandPool;
+  allocate.level = VK_COMMAND_BUFFER_LEVEL_PRIMARY;
+  allocate.commandBufferCount = 1;
+  VkResult made = vkAllocateCommandBuffers(device.device, &allocate, &renderer.commands);
+  const VkFenceCreateInfo fence{VK_STRUCTURE_TYPE_FENCE_CREATE_INFO};
+  if (made == VK_SUCCESS) made = vkCreateFence(device.device, &fence, nullptr, &renderer.done);
+  if (made != VK_SUCCESS) return vulkanError(made, "cannot make a command buffer");
+  return take(makePassTimer(device, {"composite", "pyramid", "geometry", "shade", "tonemap"}), renderer.timer);
+}
+
+Result<Done> fillRenderer(const Device& device, const RuntimeScene& scene, FrameRenderer& renderer) {
+  const GlobalVolume& wanted = scene.lighting.globalVolume;
+  const int resolution = renderer.settings.resolution.value_or(wanted.resolution);
+  renderer.grid = globalGrid(wanted.bounds.value_or(scene.bounds), resolution);
+  Estimator estimator = scene.lighting.estimator;
+  if (renderer.settings.taps) estimator.taps = *renderer.settings.taps;
+  Result<Done> done = take(skyTaps(estimator, resolution), renderer.taps);
+  if (done) done = take(makeAtlas(device, scene.volumes), renderer.atlas);
+  const auto objects = static_cast<std::uint32_t>(scene.objects.size());
+  if (done) done = take(makeCompositePass(device, renderer.grid, renderer.atlas, objects), renderer.composite);
+  if (done) done = take(makePyramidPass(device, renderer.composite.volume, renderer.taps.count), renderer.pyramid);
+  if (done) done = take(makeGeometryPass(device, scene.vertices, scene.indices, objects), renderer.geometry);
+  if (done) done = makeSubmission(device, renderer);
+  if (done) done = makeTargets(device, renderer);
+  return done;
+}
+
+/// Runs `record` between the timestamps of `pass`.
+template <class Record>
+void timed(VkCommandBuffer commands, PassTimer& timer, FramePass pass, const Record& record) {
+  beginPass(commands, timer, 0, static_cast<std::uint32_t>(pass));
+  record();
+  endPass(commands, timer, 0, static_cast<std::uint32_t>(pass));
+}
+
+/// The records of all objects at one time, for both passes that want them.
+struct Placed {
+  std::vector<shared::CompositeObject> occluders;
+  std::vector<shared::GeometryInstance> instances;
+};
+
+Placed placeObjects(const FrameRenderer& renderer, const RuntimeScene& scene, double time, const View& view) {
+  const std::vector<glm::dmat4> nodes = worldFromLocal(scene.scene, time);
+  Placed placed;
+  for (const SceneObject& object : scene.objects) {
+    const glm::dmat4& node = nodes[object.node];
+    placed.occluders.push_back(compositeObject(renderer.atlas.entries[object.volume], node, renderer.grid));
+    glm::dmat4 fromCentre = node;
+    fromCentre[3] = node * glm::dvec4(scene.meshes[object.mesh].centre, 1.0);
+    placed.instances.push_back(geometryInstance(fromCentre, eye(view)));
+  }
+  return placed;
+}
+
+/// Objects are ordered by mesh, so each mesh's instances are one run.
+std::vector<GeometryDraw> drawsOf(const RuntimeScene& scene) {
+  std::vector<GeometryDraw> draws;
+  for (std::size_t first = 0; first < scene.objects.size();) {
+    std::size_t end = first;
+    while (end < scene.objects.size() && scene.objects[end].mesh == scene.objects[first].mesh) ++end;
+    for (GeometryDraw draw : scene.meshes[scene.objects[first].mesh].parts) {
+      draw.firstInstance = static_cast<std::uint32_t>(first);
+      draw.instanceCount = static_cast<std::uint32_t>(end - first);
+      draws.push_back(draw);
+    }
+    first = end;
+  }
+  return draws;
+}
+
+Image imageOf(const GpuImage& image, std::vector<std::string> channels) {
+  Image out;
+  out.width = static_cast<int>(image.extent.width);
+  out.height = static_cast<int>(image.extent.height);
+  out.channels = std::move(channels);
+  return out;
+}
+
+}  // namespace
+
+Result<FrameRenderer> makeFrameRenderer(const Device& device, const RuntimeScene& scene, const FrameSettings& settings) {
+  const Result<Done> checked = checkSettings(settings);
+  if (!checked) return checked.error();
+  FrameRenderer renderer;
+  renderer.settings = settings;
+  const Result<Done> filled = fillRenderer(device, scene, renderer);
+  if (!filled) {
+    destroyFrameRenderer(device, renderer);
+    return filled.error();
+  }
+  return renderer;
+}
+
+void destroyFrameRenderer(const Device& device, FrameRenderer& renderer) {
+  destroyTargets(device, renderer.targets);
+  destroyPassTimer(device, renderer.timer);
+  vkDestroyFence(device.device, renderer.done, nullptr);
+  if (renderer.commands) vkFreeCommandBuffers(device.device, device.commandPool, 1, &renderer.commands);
+  destroyGeometryPass(device, renderer.geometry);
+  destroyPyramidPass(device, renderer.pyramid);
+  destroyCompositePass(device, renderer.composite);
+  destroyAtlas(device, renderer.atlas);
+  renderer = {};
+}
+
+Result<Done> resizeFrames(const Device& device, FrameRenderer& renderer, int width, int height) {
+  FrameSettings settings = renderer.settings;
+  settings.width = width;
+  settings.height = height;
+  const Result<Done> checked = checkSettings(settings);
+  if (!checked) return checked;
+  renderer.settings = settings;
+  destroyTargets(device, renderer.targets);
+  return makeTargets(device, renderer);
+}
+
+View defaultView(const RuntimeScene& scene, double time, double aspect) {
+  const std::optional<View> own = sceneView(scene.scene, worldFromLocal(scene.scene, time));
+  return own ? *own : frameBox(scene.bounds, glm::dvec3(0.0, 1.0, 0.0), aspect);
+}
+
+void recordFrame(VkCommandBuffer commands, FrameRenderer& renderer, const RuntimeScene& scene, double time, const View& view) {
+  const Placed placed = placeObjects(renderer, scene, time, view);
+  const double aspect = static_cast<double>(renderer.settings.width) / renderer.settings.height;
+  const glm::dmat4 clip = clipFromRelative(view, aspect);
+  FrameTargets& targets = renderer.targets;
+  PassTimer& timer = renderer.timer;
+  beginTimedFrame(commands, timer, 0);
+  beginPass(commands, timer, 0, static_cast<std::uint32_t>(FramePass::composite));
+  if (recordComposite(commands, renderer.composite, placed.occluders)) {
+    endPass(commands, timer, 0, static_cast<std::uint32_t>(FramePass::composite));
+    timed(commands, timer, FramePass::pyramid, [&] { recordPyramid(commands, renderer.pyramid); });
+  }
+  timed(commands, timer, FramePass::geometry,
+        [&] { recordGeometry(commands, renderer.geometry, targets.images, placed.instances, drawsOf(scene), glm::mat4(clip)); });
+  ShadeView shade;
+  shade.clipFromRelative = clip;
+  shade.eye = eye(view);
+  shade.skyColour = scene.lighting.skyColour;
+  shade.up = scene.lighting.up;
+  timed(commands, timer, FramePass::shade, [&] { recordShade(commands, targets.shade, renderer.grid, shade); });
+  const TonemapView shown{glm::mat4(glm::inverse(clip)), scene.lighting.skyColour, scene.lighting.up, scene.lighting.exposure};
+  timed(commands, timer, FramePass::tonemap, [&] { recordTonemap(commands, targets.tonemap, shown); });
+}
+
+Result<std::vector<PassTime>> renderFrame(const Device& device, FrameRenderer& renderer, const RuntimeScene& scene, double time,
+                                          const View& view) {
+  VkCommandBufferBeginInfo begin{VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO};
+  begin.flags = VK_COMMAND_BUFFER_USAGE_ONE_TIME_SUBMIT_BIT;
+  VkResult result = vkBeginCommandBuffer(renderer.commands, &begin);
+  if (result != VK_SUCCESS) return vulkanError(result, "cannot begin a frame");
+  recordFrame(renderer.commands, renderer, scene, time, view);
+  result = vkEndCommandBuffer(renderer.commands);
+  VkCommandBufferSubmitInfo buffer{VK_STRUCTURE_TYPE_COMMAND_BUFFER_SUBMIT_INFO};
+  buffer.commandBuffer = renderer.commands;
+  VkSubmitInfo2 submit{VK_STRUCTURE_TYPE_SUBMIT_INFO_2};
+  submit.commandBufferInfoCount = 1;
+  submit.pCommandBufferInfos = &buffer;
+  if (result == VK_SUCCESS) result = vkQueueSubmit2(device.queue, 1, &submit, renderer.done);
+  if (result == VK_SUCCESS) result = vkWaitForFences(device.device, 1, &renderer.done, VK_TRUE, UINT64_MAX);
+  if (result == VK_SUCCESS) result = vkResetFences(device.device, 1, &renderer.done);
+  if (result != VK_SUCCESS) return vulkanError(result, "cannot render a frame");
+  return passTimes(device, renderer.timer, 0);
+}
+
+Result<Image> readDisplay(const Device& device, const FrameRenderer& renderer) {
+  const GpuImage& display = renderer.targets.tonemap.display;
+  const Result<std::vector<std::byte>> texels = readImage(device, display, kReadable);
+  if (!texels) return texels.error();
+  Image image = imageOf(display, {"R", "G", "B"});
+  image.pixels.reserve(texels.value().size() / 4 * 3);
+  for (std::size_t i = 0; i < texels.value().size(); ++i)
+    if (i % 4 != 3) image.pixels.push_back(static_cast<float>(std::to_integer<int>(texels.value()[i])) / 255.0f);
+  return image;
+}
+
+Result<Image> readLinear(const Device& device, const FrameRenderer& renderer) {
+  const GpuImage& resolved = renderer.targets.tonemap.resolved;
+  const Result<std::vector<std::byte>> texels = readImage(device, resolved, kReadable);
+  if (!texels) return texels.error();
+  Image image = imageOf(resolved, {"R", "G", "B", "sky"});
+  image.pixels.resize(texels.value().size() / sizeof(float));
+  std::memcpy(image.pixels.data(), texels.value().data(), texels.value().size());
+  return image;
+}
+
+}  // namespace overcast

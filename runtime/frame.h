@@ -1,0 +1,83 @@
+// Frame: the ordered passes that this scene needs, from a point in time to a picture:
+//   transforms -> composite -> pyramid -> geometry -> shade -> tonemap
+// Composite and pyramid are skipped while nothing moves. The same scene, time, view and settings give the same bytes on one device,
+// whatever frames came before.
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include <vulkan/vulkan.h>
+
+#include "formats/image.h"
+#include "runtime/atlas.h"
+#include "runtime/camera.h"
+#include "runtime/passes/composite/composite_pass.h"
+#include "runtime/passes/geometry/geometry_pass.h"
+#include "runtime/passes/pyramid/pyramid_pass.h"
+#include "runtime/passes/shade/shade_pass.h"
+#include "runtime/passes/tonemap/tonemap_pass.h"
+#include "runtime/scene.h"
+#include "runtime/vulkan/device.h"
+#include "runtime/vulkan/timer.h"
+
+namespace overcast {
+
+struct FrameSettings {
+  int width = 1280;  ///< pixels of the picture, 1 to kMaxImageSide / supersample
+  int height = 720;
+  int supersample = 1;            ///< samples per pixel along a side, 1 to 8, box-filtered in linear light before tone mapping
+  std::optional<int> resolution;  ///< voxels along the longest side of the global volume; else the scene's
+  std::optional<int> taps;        ///< of the estimator; else the scene's
+};
+
+/// The passes of a frame, in order; indices into what renderFrame returns.
+enum class FramePass { composite, pyramid, geometry, shade, tonemap };
+
+/// What depends on the size of the picture.
+struct FrameTargets {
+  GeometryImages images;
+  ShadePass shade;
+  TonemapPass tonemap;
+};
+
+/// Everything that draws one scene. One frame at a time: what a frame recorded must be done before the next is recorded.
+struct FrameRenderer {
+  FrameSettings settings;
+  SkyTaps taps;
+  GlobalGrid grid;
+  Atlas atlas;
+  CompositePass composite;
+  PyramidPass pyramid;
+  GeometryPass geometry;
+  FrameTargets targets;
+  PassTimer timer;
+  VkCommandBuffer commands = VK_NULL_HANDLE;
+  VkFence done = VK_NULL_HANDLE;
+};
+
+/// The renderer of `scene`, which must outlive it. Errors: settings out of range, an estimator we do not have, no room on the device.
+Result<FrameRenderer> makeFrameRenderer(const Device& device, const RuntimeScene& scene, const FrameSettings& settings);
+void destroyFrameRenderer(const Device& device, FrameRenderer& renderer);
+
+/// Changes the size of the pictures; the device must be idle. After an Error the renderer can only be destroyed.
+Result<Done> resizeFrames(const Device& device, FrameRenderer& renderer, int width, int height);
+
+/// The view of the scene's camera at `time`, or of the whole scene where it has none.
+View defaultView(const RuntimeScene& scene, double time, double aspect);
+
+/// Records one frame; the picture is then in targets.tonemap.display, readable by transfers in layout GENERAL. The commands must be
+/// submitted, in order.
+void recordFrame(VkCommandBuffer commands, FrameRenderer& renderer, const RuntimeScene& scene, double time, const View& view);
+
+/// Records and submits one frame, waits for it, and returns how long each pass took, in the order of FramePass.
+Result<std::vector<PassTime>> renderFrame(const Device& device, FrameRenderer& renderer, const RuntimeScene& scene, double time,
+                                          const View& view);
+
+/// The last frame as it is shown: channels R, G, B, display-encoded, k / 255. For writePng.
+Result<Image> readDisplay(const Device& device, const FrameRenderer& renderer);
+/// The last frame before exposure and tone curve: channels R, G, B (linear radiance), sky (visibility of the sky, 1 behind the scene). For
+/// writeExr.
+Result<Image> readLinear(const Device& device, const FrameRenderer& renderer);
+
+}  // namespace overcast

@@ -1,0 +1,53 @@
+#include "runtime/player/headless.h"
+
+#include "formats/image.h"
+#include "runtime/frame.h"
+
+namespace overcast {
+namespace {
+
+std::optional<Failure> writePictures(const Device& device, const FrameRenderer& renderer, const PlayerOptions& options, int frame,
+                                     PlayResult& result) {
+  for (const std::string& pattern : options.outputs) {
+    const std::string file = pictureFile(pattern, frame);
+    const bool linear = std::filesystem::path(file).extension() == ".exr";
+    const Result<Image> picture = linear ? readLinear(device, renderer) : readDisplay(device, renderer);
+    if (!picture) return Failure{picture.error(), ExitCode::noDevice};
+    const Result<Done> written = linear ? writeExr(file, picture.value()) : writePng(file, picture.value());
+    if (!written) return Failure{written.error(), ExitCode::unwritable};
+    result.pictures.push_back(file);
+  }
+  return std::nullopt;
+}
+
+std::optional<Failure> playFrames(const Device& device, FrameRenderer& renderer, const RuntimeScene& scene, const PlayerOptions& options,
+                                  PlayResult& result) {
+  for (int frame = options.firstFrame; frame <= options.lastFrame; ++frame) {
+    const double time = frame / options.framesPerSecond;
+    Result<std::vector<PassTime>> times = renderFrame(device, renderer, scene, time, viewOf(options, scene, time));
+    if (!times) return Failure{times.error(), ExitCode::noDevice};
+    result.frames.push_back(std::move(times).value());
+    if (auto failure = writePictures(device, renderer, options, frame, result)) return failure;
+  }
+  return std::nullopt;
+}
+
+}  // namespace
+
+View viewOf(const PlayerOptions& options, const RuntimeScene& scene, double time) {
+  const glm::dvec3 up(0.0, 1.0, 0.0);
+  if (options.camera) return lookAt(options.camera->eye, options.camera->target, up, options.camera->verticalFieldOfView);
+  return defaultView(scene, time, static_cast<double>(options.width) / options.height);
+}
+
+std::optional<Failure> playHeadless(const Device& device, const RuntimeScene& scene, const PlayerOptions& options, PlayResult& result) {
+  result.device = device.info;
+  const FrameSettings settings{options.width, options.height, options.supersample, options.resolution, options.taps};
+  Result<FrameRenderer> renderer = makeFrameRenderer(device, scene, settings);
+  if (!renderer) return Failure{renderer.error(), renderer.error().file.empty() ? ExitCode::noDevice : ExitCode::internal};
+  auto failure = playFrames(device, renderer.value(), scene, options, result);
+  destroyFrameRenderer(device, renderer.value());
+  return failure;
+}
+
+}  // namespace overcast

@@ -1,0 +1,25 @@
+// Headless: renders frames into picture files.
+#pragma once
+
+#include "formats/result.h"
+#include "runtime/camera.h"
+#include "runtime/player/options.h"
+#include "runtime/player/report.h"
+#include "runtime/scene.h"
+#include "runtime/vulkan/device.h"
+
+namespace overcast {
+
+/// An Error and the exit code it ends the command with.
+struct Failure {
+  Error error;
+  ExitCode code = ExitCode::internal;
+};
+
+/// The view at `time`: --camera, else the scene's.
+View viewOf(const PlayerOptions& options, const RuntimeScene& scene, double time);
+
+/// Renders options.firstFrame .. lastFrame and writes options.outputs; `result` holds what was done, also when it failed midway.
+std::optional<Failure> playHeadless(const Device& device, const RuntimeScene& scene, const PlayerOptions& options, PlayResult& result);
+
+}  // namespace overcast

@@ -1,0 +1,168 @@
+#include "runtime/player/options.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <regex>
+
+#include <CLI/CLI.hpp>
+
+#include "formats/image.h"
+#include "runtime/passes/shade/shade.h"
+
+namespace overcast {
+namespace {
+
+constexpr int kMaxFrame = 9999999;
+
+/// Where the frame number goes: a run of # or a printf-like %d.
+const std::regex& placeholder() {
+  static const std::regex kPlaceholder("#+|%0?([1-9]?)d");
+  return kPlaceholder;
+}
+
+Result<std::vector<double>> numbers(const std::string& text) {
+  std::vector<double> values;
+  std::size_t at = 0;
+  while (at <= text.size()) {
+    const std::size_t comma = std::min(text.find(',', at), text.size());
+    const std::string word = text.substr(at, comma - at);
+    char* end = nullptr;
+    const double value = std::strtod(word.c_str(), &end);
+    if (word.empty() || *end != '\0' || !std::isfinite(value)) return Error{"", "", fmt::format("'{}' is not a number", word)};
+    values.push_back(value);
+    at = comma + 1;
+  }
+  return values;
+}
+
+/// Two whole numbers of at most 7 digits with `between` between them.
+std::optional<std::pair<int, int>> twoNumbers(const std::string& text, char between) {
+  static const std::regex kNumbers("([0-9]{1,7})([:x])([0-9]{1,7})");
+  std::smatch match;
+  if (!std::regex_match(text, match, kNumbers) || match[2].str()[0] != between) return std::nullopt;
+  return std::pair(std::stoi(match[1]), std::stoi(match[3]));
+}
+
+/// Parses an option's text by `parse` into `into`; a usage error that says why.
+template <class T, class Into>
+void take(const std::string& option, const Result<T>& parsed, Into& into) {
+  if (!parsed) throw CLI::ValidationError(option, message(parsed.error()));
+  into = parsed.value();
+}
+
+/// What spans several options.
+void check(const PlayerOptions& options) {
+  if (options.listDevices) return;
+  if (options.scene.empty()) throw CLI::RequiredError("SCENE");
+  for (const std::string& output : options.outputs) {
+    const std::string extension = std::filesystem::path(output).extension().string();
+    if (extension != ".png" && extension != ".exr") throw CLI::ValidationError("-o", output + " ends neither in .png nor in .exr");
+    if (options.firstFrame != options.lastFrame && !hasFrameNumber(output))
+      throw CLI::ValidationError("-o", output + " has no place for the frame number (#### or %04d)");
+  }
+  const int most = kMaxImageSide / options.supersample;
+  if (options.width > most || options.height > most)
+    throw CLI::ValidationError("--size", fmt::format("with --supersample {} a side is at most {}", options.supersample, most));
+  if (options.resolution && *options.resolution % 8 != 0) throw CLI::ValidationError("--resolution", "is not a multiple of 8");
+}
+
+constexpr const char* kFooter =
+    "Exit codes: 0 done, 1 internal error (or validation messages), 2 usage, 3 unreadable scene, 4 cannot write, 5 no usable device.\n"
+    "Without --camera the scene's own camera is taken, or one that shows the whole scene.";
+
+}  // namespace
+
+ParsedOptions parseOptions(int argc, char** argv) {
+  ParsedOptions parsed;
+  PlayerOptions& options = parsed.options;
+  CLI::App app("Plays a baked scene: sky light from composited distance volumes.", "overcast-player");
+  app.footer(kFooter);
+  app.option_defaults()->multi_option_policy(CLI::MultiOptionPolicy::TakeLast);
+  std::string scene, frames, size, camera;
+  int resolution = 0, taps = 0;
+  app.add_option("SCENE", scene, "a scene that overcast-bake wrote (.gltf)");
+  app.add_flag("--headless", options.headless, "render pictures without a window");
+  app.add_option("--frames", frames, "first:last frame, both included, or one frame (default 0)");
+  app.add_option("--size", size, "WIDTHxHEIGHT in pixels (default 1280x720)");
+  app.add_option("-o,--output", options.outputs,
+                 "picture files, .png (as shown) or .exr (linear R G B and sky visibility), with #### or "
+                 "%04d for the frame number; may be given twice")
+      ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll)
+      ->allow_extra_args(false);
+  app.add_option("--fps", options.framesPerSecond, "frames per second of the animation")
+      ->check(CLI::Range(1e-3, 1e6))
+      ->capture_default_str();
+  app.add_option("--camera", camera, "px,py,pz,tx,ty,tz[,fov]: eye, target, vertical field of view in degrees");
+  app.add_option("--device", options.device, "index or part of the name of the Vulkan device (default: the best GPU, else the CPU)");
+  app.add_flag("--list-devices", options.listDevices, "list the Vulkan devices and end");
+  app.add_flag("--validate", options.validate, "with Vulkan's core and synchronization validation; any message makes exit code 1");
+  app.add_flag("--json", options.json, "the result as JSON on stdout");
+  auto* resolutionOption =
+      app.add_option("--resolution", resolution, "voxels along the longest side of the global volume (default: the scene's)")
+          ->check(CLI::Range(32, 256));
+  auto* tapsOption = app.add_option("--taps", taps, "taps of the sky estimator at 128 voxels (default: the scene's)")
+                         ->check(CLI::Range(1, shared::kMaxTaps));
+  app.add_option("--supersample", options.supersample, "samples per pixel along a side")->check(CLI::Range(1, 8))->capture_default_str();
+  try {
+    app.parse(argc, argv);
+    options.scene = scene;
+    std::pair<int, int> range{0, 0}, sides{options.width, options.height};
+    if (!frames.empty()) take("--frames", parseFrames(frames), range);
+    if (!size.empty()) take("--size", parseSize(size), sides);
+    if (!camera.empty()) take("--camera", parseCamera(camera), options.camera);
+    std::tie(options.firstFrame, options.lastFrame) = range;
+    std::tie(options.width, options.height) = sides;
+    if (resolutionOption->count() > 0) options.resolution = resolution;
+    if (tapsOption->count() > 0) options.taps = taps;
+    check(options);
+  } catch (const CLI::ParseError& error) {
+    const bool failed = error.get_exit_code() != 0;
+    app.exit(error);
+    parsed.exitCode = static_cast<int>(failed ? ExitCode::usage : ExitCode::ok);
+  }
+  return parsed;
+}
+
+bool hasFrameNumber(const std::string& pattern) {
+  return std::regex_search(pattern, placeholder());
+}
+
+std::string pictureFile(const std::string& pattern, int frame) {
+  std::smatch match;
+  if (!std::regex_search(pattern, match, placeholder())) return pattern;
+  const bool hashes = match[0].str()[0] == '#';
+  const auto digits = hashes ? match[0].length() : match[1].length() > 0 ? std::stoi(match[1]) : 1;
+  return match.prefix().str() + fmt::format("{:0{}}", frame, digits) + match.suffix().str();
+}
+
+Result<std::pair<int, int>> parseFrames(const std::string& text) {
+  const auto range = text.find(':') == std::string::npos ? twoNumbers(text + ":" + text, ':') : twoNumbers(text, ':');
+  if (!range || range->first > range->second || range->second > kMaxFrame)
+    return Error{"", "", fmt::format("'{}' is not first:last with 0 <= first <= last", text)};
+  return *range;
+}
+
+Result<std::pair<int, int>> parseSize(const std::string& text) {
+  const auto size = twoNumbers(text, 'x');
+  if (!size || size->first < 1 || size->second < 1 || size->first > kMaxImageSide || size->second > kMaxImageSide)
+    return Error{"", "", fmt::format("'{}' is not WIDTHxHEIGHT, each from 1 to {}", text, kMaxImageSide)};
+  return *size;
+}
+
+Result<CameraOption> parseCamera(const std::string& text) {
+  const Result<std::vector<double>> parsed = numbers(text);
+  if (!parsed) return parsed.error();
+  const std::vector<double>& n = parsed.value();
+  if (n.size() != 6 && n.size() != 7) return Error{"", "", fmt::format("{} numbers instead of px,py,pz,tx,ty,tz[,fov]", n.size())};
+  CameraOption camera;
+  camera.eye = {n[0], n[1], n[2]};
+  camera.target = {n[3], n[4], n[5]};
+  if (camera.eye == camera.target) return Error{"", "", "eye and target are the same point"};
+  if (n.size() == 6) return camera;
+  if (n[6] < 1.0 || n[6] > 170.0) return Error{"", "", fmt::format("a field of view of {} degrees is outside 1 to 170", n[6])};
+  camera.verticalFieldOfView = n[6] * std::numbers::pi / 180.0;
+  return camera;
+}
+
+}  // namespace overcast

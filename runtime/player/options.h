@@ -1,0 +1,62 @@
+// Options: the command line of overcast-player.
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <glm/vec3.hpp>
+
+#include "formats/result.h"
+
+namespace overcast {
+
+/// Exit codes, as overcast-bake has them where they mean the same.
+enum class ExitCode { ok = 0, internal = 1, usage = 2, unreadable = 3, unwritable = 4, noDevice = 5 };
+
+/// --camera "px,py,pz,tx,ty,tz[,fovdeg]"
+struct CameraOption {
+  glm::dvec3 eye{0.0};
+  glm::dvec3 target{0.0};
+  double verticalFieldOfView = 0.6;  ///< radians
+};
+
+struct PlayerOptions {
+  std::filesystem::path scene;
+  bool headless = false;
+  int firstFrame = 0;
+  int lastFrame = 0;  ///< included
+  int width = 1280;
+  int height = 720;
+  std::vector<std::string> outputs;  ///< patterns of picture files
+  double framesPerSecond = 30.0;
+  std::optional<CameraOption> camera;
+  std::string device;
+  bool listDevices = false;
+  bool validate = false;
+  bool json = false;
+  std::optional<int> resolution;
+  std::optional<int> taps;
+  int supersample = 2;
+};
+
+/// What the command line says, or the exit code when there is nothing to do any more (help was shown, or a usage error reported).
+struct ParsedOptions {
+  PlayerOptions options;
+  std::optional<int> exitCode;
+};
+ParsedOptions parseOptions(int argc, char** argv);
+
+/// The file for one frame: the first run of # in the pattern, or its %d, %4d or %04d, becomes the frame number, zero-padded.
+std::string pictureFile(const std::string& pattern, int frame);
+/// Whether a pattern has a place for the frame number.
+bool hasFrameNumber(const std::string& pattern);
+
+/// "first:last" or one number, both at least 0, first <= last.
+Result<std::pair<int, int>> parseFrames(const std::string& text);
+/// "WxH", each from 1 to 16384.
+Result<std::pair<int, int>> parseSize(const std::string& text);
+Result<CameraOption> parseCamera(const std::string& text);
+
+}  // namespace overcast

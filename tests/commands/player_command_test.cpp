@@ -1,0 +1,147 @@
+// overcast-player as a user runs it: pictures, tables, JSON, exit codes.
+#include <cstdlib>
+#include <filesystem>
+
+#include <glob.h>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "formats/image.h"
+#include "tests/commands/scratch.h"
+#include "tests/commands/shell.h"
+#include "tests/runtime/baked_scene.h"
+
+namespace overcast::test {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::AllOf;
+using testing::HasSubstr;
+using testing::Not;
+
+class PlayerCommand : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    folder = scratchFolder();
+    scene = writeBakedScene(folder, {.animated = true});
+    glob_t found{};
+    if (glob("/usr/share/vulkan/icd.d/lvp_icd*.json", 0, nullptr, &found) == 0) driver = found.gl_pathv[0];
+    globfree(&found);
+  }
+  /// Runs the player on lavapipe with a cache of its own.
+  ShellResult play(const std::string& arguments) const {
+    return shell(fmt::format("VK_DRIVER_FILES={} XDG_RUNTIME_DIR={} XDG_CACHE_HOME={} {}/overcast-player {}", quoted(driver),
+                             quoted(folder.string()), quoted((folder.parent_path() / "player cache").string()),
+                             quoted(OVERCAST_BINARY_FOLDER), arguments),
+                 folder);
+  }
+  fs::path folder;
+  fs::path scene;
+  std::string driver;
+};
+
+TEST_F(PlayerCommand, WritesPicturesAndATable) {
+  const ShellResult result = play("scene.gltf --headless --frames 3:4 --size 64x48 -o 'out put/f_####.png' -o out_%02d.exr --validate");
+  ASSERT_EQ(result.exitCode, 0) << result.output;
+  for (const char* word : {"device: ", "pass", "median ms", "p95 ms", "composite", "pyramid", "geometry", "shade", "tonemap", "f_0003.png"})
+    EXPECT_THAT(result.output, HasSubstr(word));
+  for (const char* number : {"3", "4"}) {
+    const auto png = readPng(folder / "out put" / (std::string("f_000") + number + ".png"));
+    const auto exr = readExr(folder / (std::string("out_0") + number + ".exr"));
+    ASSERT_TRUE(png.ok() && exr.ok()) << result.output;
+    EXPECT_EQ(png.value().width, 64);
+    EXPECT_EQ(exr.value().height, 48);
+    EXPECT_GE(channelIndex(exr.value(), "sky"), 0);
+  }
+}
+
+TEST_F(PlayerCommand, GivesTheSameBytesTwice) {
+  for (const char* name : {"a", "b"})
+    ASSERT_EQ(play(fmt::format("scene.gltf --headless --frames 0:1 --size 64x48 -o {0}#.png -o {0}#.exr", name)).exitCode, 0);
+  for (const char* file : {"0.png", "1.png", "0.exr", "1.exr"})
+    EXPECT_EQ(readFile(folder / (std::string("a") + file)).value(), readFile(folder / (std::string("b") + file)).value()) << file;
+  EXPECT_NE(readFile(folder / "a0.png").value(), readFile(folder / "a1.png").value()) << "the scene is animated";
+}
+
+TEST_F(PlayerCommand, PrintsOneJsonObjectOnStdout) {
+  const ShellResult result = play("scene.gltf --headless --frames 0:5 --size 32x32 --supersample 1 -o f#.png --json 2>messages.txt");
+  ASSERT_EQ(result.exitCode, 0);
+  const auto json = nlohmann::json::parse(result.output, nullptr, false);
+  ASSERT_TRUE(json.is_object()) << result.output;
+  EXPECT_EQ(json["pictures"].size(), 6u);
+  EXPECT_EQ(json["frames"], nlohmann::json({0, 5}));
+  EXPECT_EQ(json["device"]["kind"], "CPU");
+  ASSERT_EQ(json["passes"].size(), 6u) << "five passes and the frame";
+  for (const auto& pass : json["passes"]) {
+    EXPECT_EQ(pass["frames"].get<int>() + pass["skipped"].get<int>(), 5) << "the warm-up is left out";
+    EXPECT_GE(pass["p95_ms"].get<double>(), pass["median_ms"].get<double>());
+  }
+}
+
+TEST_F(PlayerCommand, ListsDevices) {
+  const ShellResult plain = play("--list-devices");
+  EXPECT_EQ(plain.exitCode, 0);
+  EXPECT_THAT(plain.output, AllOf(HasSubstr("0: "), HasSubstr("CPU")));
+  const auto json = nlohmann::json::parse(play("--list-devices --json 2>messages.txt").output, nullptr, false);
+  ASSERT_TRUE(json.is_object());
+  EXPECT_EQ(json["devices"][0]["index"], 0);
+}
+
+TEST_F(PlayerCommand, MovesTheCamera) {
+  ASSERT_EQ(play("scene.gltf --headless --size 32x32 --supersample 1 --camera 0,9,0,0,0,0,40 -o above.exr").exitCode, 0);
+  ASSERT_EQ(play("scene.gltf --headless --size 32x32 --supersample 1 --camera 0,9,0.001,0,99,0 -o away.exr").exitCode, 0);
+  const Image above = readExr(folder / "above.exr").value();
+  const Image away = readExr(folder / "away.exr").value();
+  const int sky = channelIndex(above, "sky");
+  EXPECT_LT(at(above, 16, 16, sky), 1.0f) << "the floor";
+  for (int i = 0; i < 32; ++i) EXPECT_EQ(at(away, i, i, sky), 1.0f) << "nothing but the backdrop";
+}
+
+TEST_F(PlayerCommand, EndsUsageErrorsWithTwo) {
+  for (const char* arguments :
+       {"", "scene.gltf --headless --frames 3:1", "scene.gltf --headless --frames -1", "scene.gltf --headless --frames a",
+        "scene.gltf --headless --size 0x9", "scene.gltf --headless --size 99999x9", "scene.gltf --headless --camera 1,2,3",
+        "scene.gltf --headless --camera 1,2,3,1,2,3", "scene.gltf --headless --camera 1,2,3,4,5,nan", "scene.gltf --headless --taps 0",
+        "scene.gltf --headless --resolution 100", "scene.gltf --headless -o f.jpg", "scene.gltf --headless --frames 0:1 -o f.png",
+        "scene.gltf --headless --fps 0", "scene.gltf --headless --supersample 9", "scene.gltf --nonsense"}) {
+    const ShellResult result = play(arguments);
+    EXPECT_EQ(result.exitCode, 2) << arguments << ": " << result.output;
+    EXPECT_THAT(result.output, Not(testing::IsEmpty())) << arguments;
+  }
+  EXPECT_EQ(play("--help").exitCode, 0);
+}
+
+TEST_F(PlayerCommand, EndsUnreadableScenesWithThree) {
+  ASSERT_TRUE(writeOff(folder / "mesh.off", reference::boxMesh(glm::dvec3(1.0))).ok());
+  Scene plain = bakedScene(folder, {});
+  for (Node& node : plain.nodes) node.occluder.reset();
+  ASSERT_TRUE(writeScene(folder / "plain.gltf", plain).ok());
+  for (const char* file : {"absent.gltf", "mesh.off", "plain.gltf"}) {
+    const ShellResult result = play(std::string(file) + " --headless --size 16x16 -o never.png");
+    EXPECT_EQ(result.exitCode, 3) << file << ": " << result.output;
+    EXPECT_THAT(result.output, HasSubstr(file));
+  }
+  EXPECT_THAT(play("plain.gltf --headless").output, HasSubstr("overcast-bake"));
+  EXPECT_FALSE(fs::exists(folder / "never.png"));
+}
+
+TEST_F(PlayerCommand, EndsUnwritablePicturesWithFour) {
+  const ShellResult result = play("scene.gltf --headless --size 16x16 -o scene.gltf/inside.png");
+  EXPECT_EQ(result.exitCode, 4) << result.output;
+  EXPECT_THAT(result.output, HasSubstr("scene.gltf: cannot create the folder"));
+}
+
+TEST_F(PlayerCommand, EndsWithoutADeviceWithFive) {
+  driver = "/nonexistent.json";
+  EXPECT_EQ(play("scene.gltf --headless").exitCode, 5);
+  EXPECT_EQ(play("--list-devices").exitCode, 5);
+  SetUp();
+  const ShellResult result = play("scene.gltf --headless --device abacus");
+  EXPECT_EQ(result.exitCode, 5);
+  EXPECT_THAT(result.output, HasSubstr("abacus"));
+}
+
+}  // namespace
+}  // namespace overcast::test

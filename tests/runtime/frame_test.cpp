@@ -1,0 +1,196 @@
+#include "runtime/frame.h"
+
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+
+#include "tests/runtime/baked_scene.h"
+#include "tests/runtime/support.h"
+
+namespace overcast::test {
+namespace {
+
+namespace fs = std::filesystem;
+
+class Frames : public DeviceTest {
+ protected:
+  void open(const fs::path& file, const FrameSettings& wanted) {
+    Result<RuntimeScene> loaded = loadScene(device, file);
+    ASSERT_TRUE(loaded.ok()) << message(loaded.error());
+    scene = std::move(loaded).value();
+    Result<FrameRenderer> made = makeFrameRenderer(device, scene, wanted);
+    ASSERT_TRUE(made.ok()) << message(made.error());
+    renderer = std::move(made).value();
+  }
+  void close() {
+    destroyFrameRenderer(device, renderer);
+    destroyScene(device, scene);
+  }
+  void TearDown() override {
+    close();
+    DeviceTest::TearDown();
+  }
+  View viewAt(double time) const {
+    return defaultView(scene, time, static_cast<double>(renderer.settings.width) / renderer.settings.height);
+  }
+  std::vector<PassTime> render(double time) {
+    Result<std::vector<PassTime>> times = renderFrame(device, renderer, scene, time, viewAt(time));
+    EXPECT_TRUE(times.ok());
+    return times.ok() ? std::move(times).value() : std::vector<PassTime>(5);
+  }
+  Image linear() { return readLinear(device, renderer).value(); }
+  Image display() { return readDisplay(device, renderer).value(); }
+
+  RuntimeScene scene;
+  FrameRenderer renderer;
+  FrameSettings settings{160, 90, 1, {}, {}};
+};
+
+/// Pixel of a world-space point.
+glm::ivec2 pixelOf(const FrameRenderer& renderer, const View& view, const glm::dvec3& point) {
+  const FrameSettings& s = renderer.settings;
+  const glm::dvec4 clip = clipFromRelative(view, static_cast<double>(s.width) / s.height) * glm::dvec4(point - eye(view), 1.0);
+  return {static_cast<int>((clip.x / clip.w * 0.5 + 0.5) * s.width), static_cast<int>((clip.y / clip.w * 0.5 + 0.5) * s.height)};
+}
+
+TEST_F(Frames, AreTheSameBytesWhateverCameBefore) {
+  const fs::path file = writeBakedScene(temporaryFolder(), {.animated = true});
+  open(file, settings);
+  std::vector<Image> forward;
+  for (int frame = 0; frame < 5; ++frame) {
+    render(0.15 * frame);
+    forward.push_back(linear());
+  }
+  for (int frame = 4; frame >= 0; --frame) {
+    render(0.15 * frame);
+    EXPECT_EQ(linear().pixels, forward[static_cast<std::size_t>(frame)].pixels) << "frame " << frame << ", backwards";
+  }
+  EXPECT_NE(forward[0].pixels, forward[4].pixels) << "the sphere moves";
+  const Image shown = display();
+  close();
+  open(file, settings);
+  render(0.0);
+  EXPECT_EQ(linear().pixels, forward[0].pixels) << "a fresh renderer";
+  EXPECT_EQ(display().pixels, shown.pixels);
+}
+
+TEST_F(Frames, SkipCompositeAndPyramidWhileNothingMoves) {
+  const auto skipped = [](const std::vector<PassTime>& times) {
+    std::vector<bool> list;
+    for (const PassTime& time : times) list.push_back(time.skipped);
+    return list;
+  };
+  open(writeBakedScene(temporaryFolder(), {.animated = true}), settings);
+  const std::vector<bool> all(5, false), still{true, true, false, false, false};
+  EXPECT_EQ(skipped(render(0.0)), all);
+  EXPECT_EQ(skipped(render(0.0)), still);
+  EXPECT_EQ(skipped(render(0.2)), all);
+  EXPECT_EQ(skipped(render(2.2)), still) << "the animation loops: the same pose again";
+}
+
+TEST_F(Frames, DarkenTheFloorUnderTheSphere) {
+  open(writeBakedScene(temporaryFolder(), {.animated = true}), settings);
+  const View view = lookAt({-0.7, 2.2, 4.0}, {-0.7, 0.2, 0.0}, {0, 1, 0}, 0.6);
+  ASSERT_TRUE(renderFrame(device, renderer, scene, 0.0, view).ok());
+  const Image low = linear();
+  ASSERT_TRUE(renderFrame(device, renderer, scene, 1.0, view).ok());
+  const Image high = linear();
+  const int channel = channelIndex(low, "sky");
+  ASSERT_GE(channel, 0);
+  const auto skyAt = [&](const Image& image, const glm::dvec3& point) {
+    const glm::ivec2 pixel = pixelOf(renderer, view, point);
+    return at(image, pixel.x, pixel.y, channel);
+  };
+  std::vector<float> outward;
+  for (const double d : {0.2, 0.3, 0.5, 0.7, 1.1, 1.6}) outward.push_back(skyAt(low, {-0.7, 0.0, d}));
+  EXPECT_TRUE(std::is_sorted(outward.begin(), outward.end())) << "brightens outward from the contact";
+  EXPECT_GT(outward.back(), outward.front() + 0.4f);
+  const float contact = skyAt(low, {-0.7, 0.0, 0.3});
+  EXPECT_GT(skyAt(high, {-0.7, 0.0, 0.30}), contact + 0.05f) << "the shadow lifts with the sphere";
+}
+
+TEST_F(Frames, AveragesLinearLightWhenSupersampled) {
+  const fs::path file = writeBakedScene(temporaryFolder());
+  open(file, {160, 90, 1, {}, {}});
+  render(0.0);
+  const Image fine = linear();
+  close();
+  open(file, {80, 45, 2, {}, {}});
+  render(0.0);
+  const Image coarse = linear();
+  ASSERT_EQ(coarse.width, 80);
+  for (int y = 0; y < 45; ++y)
+    for (int x = 0; x < 80; ++x)
+      for (int c = 0; c < 4; ++c) {
+        float sum = 0.0f;
+        for (int s = 0; s < 4; ++s) sum += at(fine, 2 * x + s % 2, 2 * y + s / 2, c);
+        ASSERT_NEAR(at(coarse, x, y, c), 0.25f * sum, 1e-5f);
+      }
+}
+
+TEST_F(Frames, ChangeSizeAsIfMadeAnew) {
+  const fs::path file = writeBakedScene(temporaryFolder());
+  open(file, {64, 48, 1, {}, {}});
+  render(0.0);
+  ASSERT_TRUE(resizeFrames(device, renderer, 100, 50).ok());
+  render(0.0);
+  const Image resized = linear();
+  close();
+  open(file, {100, 50, 1, {}, {}});
+  render(0.0);
+  EXPECT_EQ(resized.pixels, linear().pixels);
+}
+
+TEST_F(Frames, RefuseSettingsOutOfRange) {
+  Result<RuntimeScene> loaded = loadScene(device, writeBakedScene(temporaryFolder()));
+  ASSERT_TRUE(loaded.ok()) << message(loaded.error());
+  scene = std::move(loaded).value();
+  for (const FrameSettings& bad : {FrameSettings{0, 10, 1, {}, {}}, FrameSettings{16384, 10, 2, {}, {}}, FrameSettings{10, 10, 9, {}, {}},
+                                   FrameSettings{10, 10, 1, 100, {}}, FrameSettings{10, 10, 1, {}, 9}})
+    EXPECT_FALSE(makeFrameRenderer(device, scene, bad).ok());
+}
+
+TEST_F(Frames, ShareVolumesAndCentreMeshes) {
+  open(writeBakedScene(temporaryFolder(), {.camera = true}), settings);
+  EXPECT_EQ(scene.objects.size(), 4u);
+  EXPECT_EQ(scene.volumes.size(), 3u);
+  EXPECT_NEAR(eye(viewAt(0.0)).y, 5.0, 1e-6) << "the scene's own camera";
+}
+
+class Loading : public Frames {
+ protected:
+  void expectError(const fs::path& file, const std::string& where, const std::string& what) {
+    const Result<RuntimeScene> loaded = loadScene(device, file);
+    ASSERT_FALSE(loaded.ok());
+    EXPECT_NE(message(loaded.error()).find(where), std::string::npos) << message(loaded.error());
+    EXPECT_NE(message(loaded.error()).find(what), std::string::npos) << message(loaded.error());
+  }
+};
+
+TEST_F(Loading, SaysThatTheSceneWasNotBaked) {
+  const fs::path folder = temporaryFolder();
+  Scene plain = bakedScene(folder, {});
+  plain.nodes[1].occluder.reset();
+  ASSERT_TRUE(writeScene(folder / "plain.gltf", plain).ok());
+  expectError(folder / "plain.gltf", "'sphere'", "overcast-bake");
+}
+
+TEST_F(Loading, SaysWhichVolumeIsMissingOrChanged) {
+  const fs::path folder = temporaryFolder();
+  const fs::path file = writeBakedScene(folder);
+  std::fstream(folder / "sphere.vdb", std::ios::in | std::ios::out | std::ios::binary).seekp(200).put('\x77').put('\x78');
+  expectError(file, "sphere.vdb", "hash");
+  fs::remove(folder / "sphere.vdb");
+  expectError(file, "sphere.vdb", "");
+}
+
+TEST_F(Loading, SaysWhichEstimatorItDoesNotKnow) {
+  const fs::path folder = temporaryFolder();
+  Scene other = bakedScene(folder, {});
+  other.lighting->estimator.name = "palantir";
+  ASSERT_TRUE(writeScene(folder / "other.gltf", other).ok());
+  expectError(folder / "other.gltf", "estimator", "palantir");
+}
+
+}  // namespace
+}  // namespace overcast::test
