@@ -15,7 +15,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 constexpr double kLargest = std::numeric_limits<double>::max();
-constexpr double kLargestFloat = std::numeric_limits<float>::max();
+constexpr double kLargestFloat = 3.4e38;
 constexpr double kTiny = std::numeric_limits<double>::min();
 constexpr double kTinyFloat = std::numeric_limits<float>::min();
 
@@ -145,7 +145,9 @@ void readOccluder(Fields& fields, Occluder& occluder) {
   fields.version(kOccluderVersion);
   std::string text;
   fields.text("representation", text, false);
-  if (text != name(Representation::volume)) fields.fail("representation", fmt::format("'{}' is not known", text));
+  const auto representation = representationNamed(text);
+  if (!representation) fields.fail("representation", fmt::format("'{}' is not known", text));
+  occluder.representation = representation.value_or(occluder.representation);
   fields.text("uri", text, false);
   occluder.uri = pathFromUri(text);
   fields.text("contentHash", occluder.contentHash, true);

@@ -193,7 +193,8 @@ std::vector<double> baseColourOf(const tinygltf::Material& source) {
   if (found == source.extensions.end() || !found->second.Has("diffuseFactor")) return source.pbrMetallicRoughness.baseColorFactor;
   const tinygltf::Value& factor = found->second.Get("diffuseFactor");
   std::vector<double> colour;
-  for (std::size_t i = 0; factor.IsArray() && i < factor.ArrayLen(); ++i) colour.push_back(factor.Get(static_cast<int>(i)).GetNumberAsDouble());
+  for (std::size_t i = 0; factor.IsArray() && i < factor.ArrayLen(); ++i)
+    colour.push_back(factor.Get(static_cast<int>(i)).GetNumberAsDouble());
   return colour;
 }
 

@@ -1,8 +1,8 @@
 // A Scene as .gltf and .bin (glTF 2.0).
 #include <algorithm>
 #include <cmath>
-#include <cstring>
 #include <limits>
+#include <optional>
 #include <set>
 #include <utility>
 
@@ -13,6 +13,7 @@
 #include "formats/normals.h"
 #include "formats/scene.h"
 #include "formats/scene_check.h"
+#include "formats/trs.h"
 #include "formats/uri.h"
 
 namespace overcast {
@@ -139,26 +140,53 @@ Json cameraJson(const Camera& camera) {
   return json;
 }
 
-Result<Json> nodeJson(const Node& node, std::size_t index, const std::vector<int>& meshIndex) {
-  Json json = named(node.name);
+void putTransform(Json& json, const glm::dvec3& translation, const glm::dquat& r, const glm::dvec3& scale) {
+  if (translation != glm::dvec3(0.0)) json["translation"] = arrayOf(translation);
+  if (r != glm::dquat(1.0, 0.0, 0.0, 0.0)) json["rotation"] = Json::array({r.x, r.y, r.z, r.w});
+  if (scale != glm::dvec3(1.0)) json["scale"] = arrayOf(scale);
+}
+
+/// What a node carries besides its place.
+Result<Done> putLoad(Json& json, const Node& node, std::size_t index, const std::vector<int>& meshIndex) {
   if (!node.children.empty()) json["children"] = node.children;
-  if (node.matrix) {
-    for (int i = 0; i < 16; ++i) json["matrix"].push_back((*node.matrix)[i / 4][i % 4]);
-  } else {
-    const glm::dquat& r = node.rotation;
-    if (node.translation != glm::dvec3(0.0)) json["translation"] = arrayOf(node.translation);
-    if (r != glm::dquat(1.0, 0.0, 0.0, 0.0)) json["rotation"] = Json::array({r.x, r.y, r.z, r.w});
-    if (node.scale != glm::dvec3(1.0)) json["scale"] = arrayOf(node.scale);
-  }
   const int mesh = node.mesh < 0 ? -1 : meshIndex[static_cast<std::size_t>(node.mesh)];
   if (mesh >= 0) json["mesh"] = mesh;
   if (node.camera >= 0) json["camera"] = node.camera;
-  if (!node.occluder) return json;
+  if (!node.occluder) return Done{};
   const std::string text = occluderJson(*node.occluder);
   auto readable = parseOccluder(text, fmt::format("nodes/{}/extensions/OVERCAST_occluder", index));
   if (!readable) return readable.error();
   json["extensions"]["OVERCAST_occluder"] = Json::parse(text);
-  return json;
+  return Done{};
+}
+
+/// The nodes in their order. A matrix that glTF forbids is written as its parts; one that shears needs two nodes, the second of which
+/// follows all others and carries the load.
+Result<Json> nodesJson(const Scene& scene, const std::vector<int>& meshIndex) {
+  Json nodes = Json::array();
+  Json seconds = Json::array();
+  for (std::size_t i = 0; i < scene.nodes.size(); ++i) {
+    const Node& node = scene.nodes[i];
+    Json json = named(node.name);
+    std::optional<Json> second;
+    if (!node.matrix) {
+      putTransform(json, node.translation, node.rotation, node.scale);
+    } else if (const Trs parts = decompose(*node.matrix); isPlainTrs(*node.matrix, parts)) {
+      for (int k = 0; k < 16; ++k) json["matrix"].push_back((*node.matrix)[k / 4][k % 4]);
+    } else {
+      putTransform(json, parts.translation, parts.rotation, parts.scale);
+      if (parts.inner) putTransform(second.emplace(Json::object()), glm::dvec3(0.0), *parts.inner, glm::dvec3(1.0));
+    }
+    auto loaded = putLoad(second ? *second : json, node, i, meshIndex);
+    if (!loaded) return loaded.error();
+    if (second) {
+      json["children"] = Json::array({scene.nodes.size() + seconds.size()});
+      seconds.push_back(std::move(*second));
+    }
+    nodes.push_back(std::move(json));
+  }
+  for (Json& second : seconds) nodes.push_back(std::move(second));
+  return nodes;
 }
 
 const char* pathOf(AnimatedProperty property) {
@@ -169,6 +197,14 @@ const char* pathOf(AnimatedProperty property) {
 const char* nameOf(Interpolation interpolation) {
   const char* names[] = {"STEP", "LINEAR", "CUBICSPLINE"};
   return names[static_cast<std::size_t>(interpolation)];
+}
+
+/// glTF asks for two keys of a cubic spline; with one key it is a step.
+AnimationChannel withoutLoneSpline(AnimationChannel channel) {
+  if (channel.interpolation != Interpolation::cubicSpline || channel.times.size() > 1) return channel;
+  channel.interpolation = Interpolation::step;
+  channel.values = {channel.values[1]};
+  return channel;
 }
 
 /// Values as floats; rotations that drifted from unit length are brought back, tangents are left alone.
@@ -190,7 +226,7 @@ Result<Json> animationJson(const Scene& scene, std::size_t index, Binary& binary
   Json json = named(animation.name);
   std::set<std::pair<int, AnimatedProperty>> targets;
   for (std::size_t c = 0; c < animation.channels.size(); ++c) {
-    const AnimationChannel& channel = animation.channels[c];
+    const AnimationChannel channel = withoutLoneSpline(animation.channels[c]);
     const std::string place = fmt::format("animations/{}/channels/{}", index, c);
     if (scene.nodes[static_cast<std::size_t>(channel.node)].matrix) return Error{"", place, "moves a node that has a matrix"};
     if (!targets.insert({channel.node, channel.property}).second) return Error{"", place, "moves a property that another channel moves"};
@@ -228,7 +264,7 @@ void putUnlessEmpty(Json& document, const char* key, Json array) {
 
 Result<Done> putContents(const Scene& scene, Json& document, Binary& binary) {
   std::vector<int> meshIndex;
-  Json meshes = Json::array(), materials = Json::array(), cameras = Json::array(), nodes = Json::array(), animations = Json::array();
+  Json meshes = Json::array(), materials = Json::array(), cameras = Json::array(), animations = Json::array();
   for (std::size_t i = 0; i < scene.meshes.size(); ++i) {
     const bool empty = scene.meshes[i].triangles.empty();
     meshIndex.push_back(empty ? -1 : static_cast<int>(meshes.size()));
@@ -239,11 +275,8 @@ Result<Done> putContents(const Scene& scene, Json& document, Binary& binary) {
   }
   for (const Material& material : scene.materials) materials.push_back(materialJson(material));
   for (const Camera& camera : scene.cameras) cameras.push_back(cameraJson(camera));
-  for (std::size_t i = 0; i < scene.nodes.size(); ++i) {
-    auto json = nodeJson(scene.nodes[i], i, meshIndex);
-    if (!json) return json.error();
-    nodes.push_back(std::move(json).value());
-  }
+  auto nodes = nodesJson(scene, meshIndex);
+  if (!nodes) return nodes.error();
   for (std::size_t i = 0; i < scene.animations.size(); ++i) {
     if (scene.animations[i].channels.empty()) continue;
     auto json = animationJson(scene, i, binary);
@@ -254,7 +287,7 @@ Result<Done> putContents(const Scene& scene, Json& document, Binary& binary) {
   if (!root) return root.error();
   document["scene"] = 0;
   document["scenes"].push_back(std::move(root).value());
-  putUnlessEmpty(document, "nodes", std::move(nodes));
+  putUnlessEmpty(document, "nodes", std::move(nodes).value());
   putUnlessEmpty(document, "cameras", std::move(cameras));
   putUnlessEmpty(document, "materials", std::move(materials));
   putUnlessEmpty(document, "meshes", std::move(meshes));

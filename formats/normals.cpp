@@ -132,21 +132,18 @@ Mesh withNormals(Mesh mesh) {
     return std::array{a.vertex, a.group, a.corner} < std::array{b.vertex, b.group, b.corner};
   });
   mesh.normals.assign(mesh.positions.size(), kUp);
-  for (std::size_t i = 0; i < uses.size(); ++i) {
-    const Use& use = uses[i];
-    const bool sameVertex = i > 0 && uses[i - 1].vertex == use.vertex;
-    const bool sameGroup = sameVertex && uses[i - 1].group == use.group;
-    const double length = glm::length(sums[use.group]);
-    const glm::dvec3 normal = length > 0.0 ? sums[use.group] / length : faces[use.corner / 3];
-    if (!sameVertex) {
-      mesh.normals[use.vertex] = glm::vec3(normal);
-    } else if (!sameGroup) {
-      mesh.positions.push_back(glm::dvec3(mesh.positions[use.vertex]));
-      mesh.normals.push_back(glm::vec3(normal));
+  for (std::size_t i = 0; i < uses.size();) {
+    const Use first = uses[i];
+    const bool staysInPlace = i == 0 || uses[i - 1].vertex != first.vertex;
+    const std::uint32_t index = staysInPlace ? first.vertex : static_cast<std::uint32_t>(mesh.positions.size());
+    if (!staysInPlace) {
+      mesh.positions.push_back(glm::dvec3(mesh.positions[first.vertex]));
+      mesh.normals.push_back(kUp);
     }
-    const bool first =
-        !sameVertex || (sameGroup && mesh.triangles[uses[i - 1].corner / 3][static_cast<int>(uses[i - 1].corner % 3)] == use.vertex);
-    if (!first) mesh.triangles[use.corner / 3][static_cast<int>(use.corner % 3)] = static_cast<std::uint32_t>(mesh.positions.size() - 1);
+    const double length = glm::length(sums[first.group]);
+    mesh.normals[index] = glm::vec3(length > 0.0 ? sums[first.group] / length : faces[first.corner / 3]);
+    for (; i < uses.size() && uses[i].vertex == first.vertex && uses[i].group == first.group; ++i)
+      mesh.triangles[uses[i].corner / 3][static_cast<int>(uses[i].corner % 3)] = index;
   }
   return mesh;
 }

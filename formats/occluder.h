@@ -2,7 +2,9 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
+#include <string_view>
 
 #include "formats/mesh.h"
 
@@ -37,6 +39,8 @@ struct Occluder {
   std::string settingsHash;  ///< hash of source bytes and bake settings
 };
 
+/// The name that the extension stores, and back; nothing when no representation has the name.
 const char* name(Representation representation);
+std::optional<Representation> representationNamed(std::string_view name);
 
 }  // namespace overcast

@@ -8,7 +8,8 @@
 namespace overcast {
 namespace {
 
-/// Both archives walk the same fields in the same order, so that they cannot disagree.
+/// Both archives walk the same fields in the same order, so that they cannot disagree. Types without fields are plain bytes without
+/// padding.
 template <class Archive>
 void fields(Archive& archive, Mesh& mesh) {
   archive(mesh.name, mesh.positions, mesh.normals, mesh.triangles, mesh.parts);
@@ -77,10 +78,10 @@ struct SceneWriter {
 
   template <class T>
   void put(T& value) {
-    if constexpr (std::is_trivially_copyable_v<T>) {
-      pack(bytes, value);
-    } else {
+    if constexpr (requires { fields(*this, value); }) {
       fields(*this, value);
+    } else {
+      pack(bytes, value);
     }
   }
 
@@ -114,10 +115,10 @@ struct SceneReader {
 
   template <class T>
   void take(T& value) {
-    if constexpr (std::is_trivially_copyable_v<T>) {
-      value = rest.one<T>();
-    } else {
+    if constexpr (requires { fields(*this, value); }) {
       fields(*this, value);
+    } else {
+      value = rest.one<T>();
     }
   }
 

@@ -1,0 +1,198 @@
+// The JSON of OVERCAST_occluder and OVERCAST_lighting, and the schemas that describe it.
+#include "formats/extension_json.h"
+
+#include <fstream>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <rapidcheck.h>
+#include <nlohmann/json.hpp>
+
+#include "tests/formats/random_scene.h"
+
+namespace overcast {
+namespace {
+
+using Json = nlohmann::ordered_json;
+using testing::HasSubstr;
+
+Json schema(const std::string& name) {
+  std::ifstream file(std::string(OVERCAST_SOURCE_FOLDER) + "/formats/schema/" + name + ".schema.json");
+  return Json::parse(file);
+}
+
+/// The reason why `json` breaks `schema`, or nothing. Knows just the keywords that our schemas use, and fails on any other.
+std::string violation(const Json& schema, const Json& json, const Json& root, const std::string& place = "") {
+  for (const auto& [key, rule] : schema.items()) {
+    const bool number = json.is_number();
+    if (key == "type") {
+      const std::string type = rule;
+      const bool fits = (type == "object" && json.is_object()) || (type == "array" && json.is_array()) ||
+                        (type == "string" && json.is_string()) || (type == "number" && number) ||
+                        (type == "integer" && json.is_number_integer());
+      if (!fits) return place + ": is not of type " + type;
+    } else if (key == "required") {
+      for (const std::string name : rule)
+        if (!json.contains(name)) return place + "/" + name + ": missing";
+    } else if (key == "properties") {
+      for (const auto& [name, value] : json.items()) {
+        if (!rule.contains(name)) return place + "/" + name + ": not in the schema";
+        const std::string inner = violation(rule[name], value, root, place + "/" + name);
+        if (!inner.empty()) return inner;
+      }
+    } else if (key == "items") {
+      for (const Json& entry : json) {
+        const std::string inner = violation(rule, entry, root, place + "/*");
+        if (!inner.empty()) return inner;
+      }
+    } else if (key == "$ref") {
+      const std::string inner = violation(root.at(Json::json_pointer(rule.get<std::string>().substr(1))), json, root, place);
+      if (!inner.empty()) return inner;
+    } else if (key == "enum") {
+      if (std::find(rule.begin(), rule.end(), json) == rule.end()) return place + ": not in the enumeration";
+    } else if (key == "minimum") {
+      if (json < rule) return place + ": too small";
+    } else if (key == "maximum") {
+      if (json > rule) return place + ": too large";
+    } else if (key == "exclusiveMinimum") {
+      if (json <= rule) return place + ": too small";
+    } else if (key == "multipleOf") {
+      if (json.get<int>() % rule.get<int>() != 0) return place + ": not a multiple";
+    } else if (key == "minItems" || key == "minLength") {
+      if ((json.is_string() ? json.get<std::string>().size() : json.size()) < rule) return place + ": too short";
+    } else if (key == "maxItems") {
+      if (json.size() > rule) return place + ": too long";
+    } else if (key != "$schema" && key != "$id" && key != "$defs" && key != "title" && key != "description" && key != "default" &&
+               key != "pattern") {
+      return "the schema uses '" + key + "', which this test does not know";
+    }
+  }
+  return "";
+}
+
+/// All objects inside `json`, as pointers.
+void objects(const Json& json, const std::string& at, std::vector<std::string>& found) {
+  if (json.is_object()) found.push_back(at);
+  if (!json.is_structured()) return;
+  for (const auto& [key, value] : json.items()) objects(value, at + "/" + key, found);
+}
+
+Json parsed(const std::string& text) {
+  return Json::parse(text);
+}
+
+template <class Parse>
+std::string errorOf(Parse parse, const Json& json) {
+  auto result = parse(json.dump(), "x");
+  return result ? "" : result.error().place + ": " + result.error().reason;
+}
+
+TEST(Extension, ReadsBackBitForBit) {
+  EXPECT_TRUE(rc::check("occluder", [](std::uint64_t seed) {
+    const Occluder made = test::randomOccluder(seed);
+    auto read = parseOccluder(occluderJson(made), "x");
+    RC_ASSERT(read.ok());
+    const Occluder& again = read.value();
+    RC_ASSERT(again.uri == made.uri && again.contentHash == made.contentHash && again.bytes == made.bytes);
+    RC_ASSERT(again.bounds.min == made.bounds.min && again.bounds.max == made.bounds.max);
+    RC_ASSERT(again.influenceRadius == made.influenceRadius && again.lipschitz == made.lipschitz && again.signMethod == made.signMethod);
+    RC_ASSERT(again.error.max == made.error.max && again.error.rms == made.error.rms && again.error.seed == made.error.seed);
+    RC_ASSERT(again.error.signErrors == made.error.signErrors && again.error.samples == made.error.samples);
+    RC_ASSERT(again.source == made.source && again.settingsHash == made.settingsHash);
+  }));
+  EXPECT_TRUE(rc::check("lighting", [](std::uint64_t seed) {
+    const Lighting made = test::randomLighting(seed);
+    auto read = parseLighting(lightingJson(made), "x");
+    RC_ASSERT(read.ok());
+    const Lighting& again = read.value();
+    RC_ASSERT(again.skyColour == made.skyColour && again.up == made.up && again.exposure == made.exposure);
+    RC_ASSERT(again.sun.has_value() == made.sun.has_value());
+    if (made.sun) RC_ASSERT(again.sun->direction == made.sun->direction && again.sun->angularRadius == made.sun->angularRadius);
+    if (made.sun) RC_ASSERT(again.sun->colour == made.sun->colour);
+    RC_ASSERT(again.areaLights.size() == made.areaLights.size());
+    for (std::size_t i = 0; i < made.areaLights.size(); ++i) {
+      RC_ASSERT(again.areaLights[i].position == made.areaLights[i].position && again.areaLights[i].radius == made.areaLights[i].radius);
+      RC_ASSERT(again.areaLights[i].colour == made.areaLights[i].colour);
+    }
+    RC_ASSERT(again.globalVolume.bounds.has_value() == made.globalVolume.bounds.has_value());
+    if (made.globalVolume.bounds) RC_ASSERT(again.globalVolume.bounds->min == made.globalVolume.bounds->min);
+    RC_ASSERT(again.globalVolume.resolution == made.globalVolume.resolution);
+    RC_ASSERT(again.estimator.name == made.estimator.name && again.estimator.taps == made.estimator.taps);
+    RC_ASSERT(again.estimator.k == made.estimator.k && again.estimator.skyWeight == made.estimator.skyWeight);
+    RC_ASSERT(again.estimator.fitError == made.estimator.fitError);
+  }));
+}
+
+TEST(Extension, FloatsAreShort) {
+  EXPECT_THAT(lightingJson(Lighting{}), HasSubstr("\"k\":0.05,"));
+  EXPECT_THAT(lightingJson(Lighting{}), HasSubstr("[0.8,0.9,1.0]"));
+}
+
+TEST(Extension, WhatIsWrittenFollowsTheSchema) {
+  const Json occluder = schema("OVERCAST_occluder");
+  const Json lighting = schema("OVERCAST_lighting");
+  for (std::uint64_t seed = 0; seed < 50; ++seed) {
+    EXPECT_EQ(violation(occluder, parsed(occluderJson(test::randomOccluder(seed))), occluder), "");
+    EXPECT_EQ(violation(lighting, parsed(lightingJson(test::randomLighting(seed))), lighting), "");
+  }
+}
+
+/// Takes every member away in turn, and puts a value of a wrong type or range in its place: schema and parser must agree each time.
+template <class Parse>
+void expectAgreement(const Json& schema, const Json& whole, Parse parse) {
+  std::vector<std::string> places;
+  objects(whole, "", places);
+  const std::vector<Json> wrong = {nullptr, "text",        "",     -1,        0,          1e300,     -1e300,        0.5, 7, 100,
+                                   4096,    Json::array(), {1, 2}, {9, 9, 9}, {-1, 0, 0}, {1, 0, 0}, Json::object()};
+  for (const std::string& place : places) {
+    const Json::json_pointer pointer(place);
+    for (const auto& [key, value] : whole.at(pointer).items()) {
+      Json changed = whole;
+      changed.at(pointer).erase(key);
+      EXPECT_EQ(errorOf(parse, changed).empty(), violation(schema, changed, schema).empty()) << place << "/" << key << " missing";
+      for (const Json& other : wrong) {
+        changed = whole;
+        changed.at(pointer)[key] = other;
+        const std::string error = errorOf(parse, changed);
+        const std::string broken = violation(schema, changed, schema);
+        if (!broken.empty()) {
+          EXPECT_THAT(error, HasSubstr("x" + place + "/" + key)) << other << " breaks the schema: " << broken;
+        }
+      }
+    }
+  }
+}
+
+TEST(Extension, TheParserRefusesWhatTheSchemaRefusesAndNamesTheField) {
+  Lighting lighting = test::randomLighting(3);
+  lighting.sun = Sun{};
+  lighting.globalVolume.bounds = Box{glm::dvec3(-1), glm::dvec3(1)};
+  lighting.areaLights = {AreaLight{}};
+  lighting.estimator.fitError = 0.25;
+  expectAgreement(schema("OVERCAST_lighting"), parsed(lightingJson(lighting)), parseLighting);
+  expectAgreement(schema("OVERCAST_occluder"), parsed(occluderJson(test::randomOccluder(3))), parseOccluder);
+}
+
+TEST(Extension, TheParserRefusesWhatASchemaCannotSay) {
+  Json occluder = parsed(occluderJson(test::randomOccluder(1)));
+  occluder["bounds"] = {{"min", {0, 0, 2}}, {"max", {1, 1, 1}}};
+  EXPECT_EQ(errorOf(parseOccluder, occluder), "x/bounds/min: 2 is above max 1");
+  occluder = parsed(occluderJson(test::randomOccluder(1)));
+  occluder["contentHash"] = "0123";
+  EXPECT_THAT(errorOf(parseOccluder, occluder), HasSubstr("x/contentHash: is not 32"));
+  Json lighting = parsed(lightingJson(Lighting{}));
+  lighting["sky"]["up"] = {0, 0.5, 0};
+  EXPECT_THAT(errorOf(parseLighting, lighting), HasSubstr("x/sky/up: is not a unit vector"));
+  EXPECT_THAT(parseLighting("no JSON", "x").error().place, "x");
+}
+
+TEST(Extension, NewerVersionsAreRefusedAndUnknownFieldsIgnored) {
+  Json occluder = parsed(occluderJson(test::randomOccluder(1)));
+  occluder["later"] = 1;
+  EXPECT_EQ(errorOf(parseOccluder, occluder), "");
+  occluder["version"] = kOccluderVersion + 1;
+  EXPECT_THAT(errorOf(parseOccluder, occluder), HasSubstr("x/version: 2 is newer than 1"));
+}
+
+}  // namespace
+}  // namespace overcast
