@@ -124,8 +124,11 @@ TEST(Extension, ReadsBackBitForBit) {
 }
 
 TEST(Extension, FloatsAreShort) {
-  EXPECT_THAT(lightingJson(Lighting{}), HasSubstr("\"k\":0.05,"));
-  EXPECT_THAT(lightingJson(Lighting{}), HasSubstr("[0.8,0.9,1.0]"));
+  Lighting lighting;
+  lighting.estimator.k = 0.05f;
+  lighting.skyColour = {0.8f, 0.9f, 1.0f};
+  EXPECT_THAT(lightingJson(lighting), HasSubstr("\"k\":0.05,"));
+  EXPECT_THAT(lightingJson(lighting), HasSubstr("[0.8,0.9,1.0]"));
 }
 
 TEST(Extension, WhatIsWrittenFollowsTheSchema) {
