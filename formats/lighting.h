@@ -28,8 +28,8 @@ struct AreaLight {
 struct Estimator {
   std::string name = "published";
   int taps = 5;            ///< 1 to 8, at 128 voxels along the longest side: taps at 1, 2, 4, ... voxels; one more per doubling of that
-  float k = 1.3862944f;    ///< at least 0: -ln C of a point that all taps find shut: C = exp(-k (alpha + sum f_i / sum d_i)); 2 ln 2
-  float skyWeight = 0.5f;  ///< alpha in N' = N + alpha U, 0 to 1 (Evans 2006, 9.6); an open wall gets exp(-k alpha), here 1/2
+  float k = 1.5f;          ///< at least 0: darkening; a point that all taps find shut gets about exp(-k (1 + alpha)), open ground 1
+  float skyWeight = 0.5f;  ///< alpha in N' = N + alpha U, 0 to 1 (Evans 2006, 9.6); an open wall gets 1/2 where k alpha = 0.75
   double fitError = -1.0;  ///< RMSE against the reference they were fitted to; negative: not fitted
 };
 

@@ -29,7 +29,10 @@ double publishedSky(const std::vector<Field>& levels, const glm::dvec3& point, c
     open += d - d * skewedLength;
     reach += d;
   }
-  return std::min(1.0, std::exp(-k / reach * missing) / std::exp(-k / reach * open));
+  const double visibility = std::exp(-k / reach * missing) / std::exp(-k / reach * open);
+  if (visibility >= 1.0) return 1.0;
+  const double darkening = -std::log(visibility);
+  return std::pow(visibility, darkening / (darkening + 1.0 / 16.0));
 }
 
 }  // namespace overcast::reference

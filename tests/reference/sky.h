@@ -10,8 +10,8 @@
 namespace overcast::reference {
 
 /// C at `point` (voxels from the volume's corner) with unit `normal` and unit `up`, one tap for each level: exp(-k' sum f_i) divided by its
-/// value over open ground facing the sky, with k' = k / sum d_i; at most 1. Beyond half a texel of a level inside the border that level
-/// is continued by the distance.
+/// value over open ground facing the sky, with k' = k / sum d_i; at most 1, and eased into it: C^(E / (E + 1/16)), E = -ln C. Beyond half
+/// a texel of a level inside the border that level is continued by the distance.
 double publishedSky(const std::vector<Field>& levels, const glm::dvec3& point, const glm::dvec3& normal, const glm::dvec3& up, double k,
                     double alpha);
 

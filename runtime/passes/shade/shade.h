@@ -1,14 +1,16 @@
 // Shade: sky light from a few taps of the distance pyramid (DESIGN 5.4; Evans 2006, 9.6). Read by C++ and GLSL.
 //
-// Taps f_i = d_i - phi_{i-1}(P + d_i N'), N' = N + alpha U, d_1 = one voxel, d_i = 2 d_{i-1}; tap i reads pyramid level i - 1, whose blur
-// is proportional to d_i. Everything in voxels of the global volume. Estimator `published`: C = exp(-k' sum f_i). The paper leaves open
-// what C is over open ground: with its skewed normal a surface that faces the sky reads phi = (1 + alpha) d_i, so C = exp(k' alpha sum d_i)
-// > 1. We divide by that constant, so that an open surface facing the sky is exactly 1, and write k' = k / sum d_i, so that k means the
-// same for any number of taps and any resolution:
-//     C = exp(-k (alpha + sum f_i / sum d_i)),   clamped to [0, 1].
-// An open wall gets exp(-k alpha), which is its true share of the sky, one half, for k alpha = ln 2: the defaults of formats/lighting.h.
-// The paper's tap at d_0 = 0 has no reach; where mesh and field disagree by a fraction of a voxel it reads that disagreement, see
-// `surfaceError`.
+// Taps f_i = d_i - phi_{i-1}(P + d_i N'), N' = N + alpha U, d_1 = one voxel, d_i = 2 d_{i-1}; tap i reads pyramid level i - 1, whose
+// blur is proportional to d_i. Everything in voxels of the global volume.
+//
+// Estimator `published`: C = exp(-k' sum f_i). The paper leaves open what C is over open ground: with its skewed normal a surface that
+// faces the sky reads phi = (1 + alpha) d_i, so that C = exp(k' alpha sum d_i) > 1. Ours, on top of it:
+//  * We divide by that constant, so that open ground is exactly 1, and write k' = k / sum d_i, so that k means the same for any number
+//    of taps and any resolution: C = exp(-e), e = k (alpha + sum f_i / sum d_i).
+//  * Round tops read more than open ground, because blurring a convex distance raises it: e < 0. A clamp there draws a line across them,
+//    so e eases into it, see easedExponent. An open wall, e = k alpha, gets its true half of the sky for the default k = 1.5, alpha = 0.5.
+//
+// The paper's tap at d_0 = 0 is left out: it has no reach and reads only by how much mesh and field disagree.
 #ifndef RUNTIME_PASSES_SHADE_SHADE_H
 #define RUNTIME_PASSES_SHADE_SHADE_H
 
@@ -45,9 +47,15 @@ OVERCAST_INLINE vec3 insideLevel(vec3 p, vec3 size, int level) {
   return clamp(p, inset, size - inset);
 }
 
-/// Sky visibility from the exponent w_0 + sum w_i f_i.
+/// 0 below 0, e^2 / (e + 1/16) above: without a kink where the clamp starts, e - 1/16 where it is dark.
+OVERCAST_INLINE float easedExponent(float exponent) {
+  float e = clamp(exponent, 0.0f, 1.0e4f);
+  return e * e / (e + 0.0625f);
+}
+
+/// Sky visibility in [0, 1] from the exponent w_0 + sum w_i f_i.
 OVERCAST_INLINE float skyVisibility(float exponent) {
-  return clamp(exp(-exponent), 0.0f, 1.0f);
+  return exp(-easedExponent(exponent));
 }
 
 OVERCAST_SHARED_END
