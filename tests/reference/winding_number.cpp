@@ -9,6 +9,11 @@
 namespace overcast::reference {
 namespace {
 
+/// 1 below zero, 0 elsewhere: a number, because branches would keep the loop from vector instructions.
+inline double below(double value) {
+  return value < 0.0 ? 1.0 : 0.0;
+}
+
 using Corners = std::array<glm::dvec3, 3>;
 
 /// tan(solid angle / 2) = |a b c| / (|a||b||c| + (a.b)|c| + (b.c)|a| + (c.a)|b|). The angles are summed as the argument of the product of
@@ -33,15 +38,16 @@ void halfAngles(const std::vector<Corners>& triangles, const PointBlock& points,
       const double cosines =
           a * b * c + (ax * bx + ay * by + az * bz) * c + (bx * cx + by * cy + bz * cz) * a + (cx * ax + cy * ay + cz * az) * b;
       const double size = std::abs(cosines) + std::abs(volume);
-      const double scale = size > 0.0 ? 1.0 / size : 0.0;
       // A point on a corner has no angle there: multiply by 1.
-      const double u = size > 0.0 ? cosines * scale : 1.0;
+      const double corner = size > 0.0 ? 0.0 : 1.0;
+      const double scale = 1.0 / (size + corner);
+      const double u = cosines * scale + corner;
       const double v = volume * scale;
       const double newRe = re[l] * u - im[l] * v;
       const double newIm = re[l] * v + im[l] * u;
-      const double up = v > 0.0 && im[l] >= 0.0 && newIm < 0.0 ? 1.0 : 0.0;
-      const double down = v < 0.0 && im[l] < 0.0 && newIm >= 0.0 ? 1.0 : 0.0;
-      turns[l] += up - down;
+      const double was = below(im[l]);
+      const double is = below(newIm);
+      turns[l] += below(-v) * (1.0 - was) * is - below(v) * was * (1.0 - is);
       const double norm = 1.0 / (std::abs(newRe) + std::abs(newIm));
       re[l] = newRe * norm;
       im[l] = newIm * norm;
