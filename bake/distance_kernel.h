@@ -25,28 +25,23 @@ struct KernelScene {
   const std::uint32_t* order;
   const double* positions;       ///< mesh.positions, three per vertex
   const std::uint32_t* corners;  ///< mesh.triangles, three per triangle
-  float positionError;
+  float positionError;           ///< Tree::positionError
   double origin[3];
   double voxelSize;
+  double band;  ///< in voxels: distances beyond come out as the band itself; kNoBand for none
 };
 
-/// What a block cost, for the bench.
-struct KernelCounters {
-  std::uint64_t nodes = 0;
-  std::uint64_t leaves = 0;
-  std::uint64_t vertices = 0;   ///< tested against every sample of the block
-  std::uint64_t triangles = 0;  ///< likewise
-};
+constexpr double kNoBand = 1e15;
 
 /// One variant. Both functions may be called from any number of threads.
 struct DistanceKernel {
   const char* name;
-  /// The mesh vertex nearest to each of `count` points (kBlock * i, y, z).
-  void (*witnessRow)(const KernelScene& scene, float y, float z, int count, Witness* out);
+  /// The mesh vertex nearest to each of `count` points (kBlock * i, y, z) where wanted[i] is not zero.
+  void (*witnessRow)(const KernelScene& scene, float y, float z, int count, const std::uint8_t* wanted, Witness* out);
   /// Distances at the samples (x, y, z) + [0, kBlock)^3 in the mesh's units, x fastest. `around` are the witnesses at the eight corners
   /// (x, y, z) + {0, kBlock}^3.
   void (*block)(const KernelScene& scene, const int (&first)[3], const Witness* const (&around)[8], float (&out)[kBlockSamples],
-                KernelCounters& counters);
+                DistanceCost& cost);
 };
 
 extern const DistanceKernel kPortableKernel;

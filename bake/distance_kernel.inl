@@ -94,11 +94,13 @@ static void findNearestVertex(const KernelScene& scene, NearestVertex& nearest) 
   }
 }
 
-static void witnessRow(const KernelScene& scene, float y, float z, int count, Witness* out) {
+static void witnessRow(const KernelScene& scene, float y, float z, int count, const std::uint8_t* wanted, Witness* out) {
   NearestVertex nearest{{0.0f, y, z}, 3e38f, {}};
+  bool warm = false;
   for (int i = 0; i < count; ++i) {
+    if (wanted[i] == 0) continue;
     nearest.point[0] = static_cast<float>(kBlock * i);
-    if (i > 0) {
+    if (warm) {
       nearest.squared = 0.0f;
       for (int axis = 0; axis < 3; ++axis) {
         const float d = nearest.witness.position[axis] - nearest.point[axis];
@@ -107,30 +109,36 @@ static void witnessRow(const KernelScene& scene, float y, float z, int count, Wi
     }
     findNearestVertex(scene, nearest);
     out[i] = nearest.witness;
+    warm = true;
   }
 }
 
 /// A block at work. Positions are relative to its centre.
 struct Block {
   const KernelScene& scene;
-  KernelCounters& counters;
+  DistanceCost& cost;
   float centre[3];
   int witnessCount = 0;
   float witness[8][3];       ///< different witnesses
   float witnessSlope[8][3];  ///< 2 kHalf witness
   float threshold[8];        ///< |witness|^2 + 3 kHalf^2 + margin
   float margin = 0.0f;       ///< for rounding, in squared voxels
+  float band2 = 0.0f;        ///< squared band and margin
   alignas(64) float squared[kBlockSamples];
   alignas(64) std::int32_t nearest[kBlockSamples];
 };
 
-/// Starts every sample with the nearest of the witnesses, each of which is an upper bound.
+static bool samePlace(const Witness& a, const Witness& b) {
+  return a.position[0] == b.position[0] && a.position[1] == b.position[1] && a.position[2] == b.position[2];
+}
+
+/// Starts every sample with the nearest of the witnesses, each of which is an upper bound, or with the band and no triangle.
 static void startBlock(Block& block, const Witness* const (&around)[8]) {
   const Witness* different[8];
   int count = 0;
   for (const Witness* candidate : around) {
     bool known = false;
-    for (int k = 0; k < count; ++k) known = known || candidate->triangle == different[k]->triangle;
+    for (int k = 0; k < count; ++k) known = known || samePlace(*candidate, *different[k]);
     if (!known) different[count++] = candidate;
   }
   block.witnessCount = count;
@@ -147,36 +155,39 @@ static void startBlock(Block& block, const Witness* const (&around)[8]) {
   }
   const float reach = __builtin_sqrtf(nearest2) + 3.0f * kHalf;
   const float error = block.scene.positionError;
+  const auto band = static_cast<float>(block.scene.band);
   block.margin = kRoundingOfSquares * reach * reach + 16.0f * error * (reach + error);
+  block.band2 = band * band * (1.0f + kRoundingOfSquares) + block.margin;
   for (int k = 0; k < count; ++k) block.threshold[k] += 3.0f * kHalf * kHalf + block.margin;
   for (int s = 0; s < kVectors; ++s) {
     const int inSlice = s % kSliceVectors * kLanes;
     const Floats px = load(kOffsetX + inSlice);
     const Floats py = load(kOffsetY + inSlice);
     const Floats pz = all(kOffsetZ[s / kSliceVectors]);
-    Floats best = all(3e38f);
-    Ints triangle = all(std::int32_t{0});
+    Floats best = all(block.band2);
+    Ints triangle = all(std::int32_t{-1});
     for (int k = 0; k < count; ++k) {
       const Floats dx = px - all(block.witness[k][0]);
       const Floats dy = py - all(block.witness[k][1]);
       const Floats dz = pz - all(block.witness[k][2]);
-      const Floats squared = multiplyAdd(dx, dx, multiplyAdd(dy, dy, dz * dz));
+      const Floats squared = multiplyAdd(dx, dx, multiplyAdd(dy, dy, dz * dz)) + all(block.margin);
       const Condition nearer = less(squared, best);
       best = min(best, squared);
       triangle = select(nearer, all(different[k]->triangle), triangle);
     }
-    store(block.squared + s * kLanes, best + all(block.margin));
+    store(block.squared + s * kLanes, best);
     store(block.nearest + s * kLanes, triangle);
   }
 }
 
-/// The children that can hold a point nearer to some sample than every witness is. Against one witness q, |p - x|^2 - |p - q|^2 is linear
-/// in p, so its least value over block and box is taken axis by axis at the ends of the block.
+/// The children that can hold a point nearer to some sample than the band and every witness. Against one witness q, |p - x|^2 - |p - q|^2
+/// is linear in p, so its least value over block and box is taken axis by axis at the ends of the block.
 static Mask openChildren(const Block& block, const TreeNode& node) {
   Mask open = 0;
   for (int i = 0; i < kTreeWidth; i += kLanes) {
     Floats fromHigh[3];
     Floats fromLow[3];
+    Floats between = all(0.0f);
     for (int axis = 0; axis < 3; ++axis) {
       const Floats low = load(node.low[axis] + i);
       const Floats high = load(node.high[axis] + i);
@@ -184,10 +195,12 @@ static Mask openChildren(const Block& block, const TreeNode& node) {
       const Floats blockLow = all(block.centre[axis] - kHalf);
       const Floats toHigh = max(max(low - blockHigh, blockHigh - high), all(0.0f));
       const Floats toLow = max(max(low - blockLow, blockLow - high), all(0.0f));
+      const Floats gap = max(max(low - blockHigh, blockLow - high), all(0.0f));
+      between = multiplyAdd(gap, gap, between);
       fromHigh[axis] = toHigh * toHigh;
       fromLow[axis] = toLow * toLow;
     }
-    Mask some = ~Mask{0};
+    Mask some = bits(less(between, all(block.band2)));
     for (int k = 0; k < block.witnessCount && some != 0; ++k) {
       Floats sum = all(0.0f);
       for (int axis = 0; axis < 3; ++axis) {
@@ -244,7 +257,7 @@ static void testTriangle(Block& block, std::int32_t index) {
       storeWhere(nearer, block.nearest + at, all(index));
     }
   }
-  ++block.counters.triangles;
+  ++block.cost.triangles;
 }
 
 /// Those vertices of the leaf whose triangles may be nearer to some sample than every witness is (axis by axis as in openChildren).
@@ -279,7 +292,7 @@ static Mask closeVertices(Block& block, Mask open, const float (&relative)[3][kT
   Mask close = 0;
   for (; open != 0; open &= open - 1) {
     const int i = __builtin_ctz(open);
-    ++block.counters.vertices;
+    ++block.cost.vertices;
     const float vx = -2.0f * relative[0][i];
     const float vy = -2.0f * relative[1][i];
     const float vz = -2.0f * relative[2][i];
@@ -304,7 +317,7 @@ static Mask closeVertices(Block& block, Mask open, const float (&relative)[3][kT
 static void testLeaf(Block& block, const TreeLeaf& leaf) {
   alignas(64) float relative[3][kTreeWidth];
   alignas(64) float reach[kTreeWidth];
-  ++block.counters.leaves;
+  ++block.cost.leaves;
   Mask vertices = openVertices(block, leaf, relative, reach);
   if (vertices == 0) return;
   vertices = closeVertices(block, vertices, relative, reach);
@@ -319,10 +332,12 @@ static void testLeaf(Block& block, const TreeLeaf& leaf) {
 /// The distances again in double, to the triangles that were found nearest.
 static void refine(const Block& block, const int (&first)[3], float (&out)[kBlockSamples]) {
   const KernelScene& scene = block.scene;
+  const double band = scene.band * scene.voxelSize;
   double corner[9][kBlockSamples];
   double point[3][kBlockSamples];
   for (int i = 0; i < kBlockSamples; ++i) {
-    const std::uint32_t* corners = scene.corners + 3 * std::size_t{scene.order[block.nearest[i]]};
+    const std::int32_t nearest = block.nearest[i] < 0 ? 0 : block.nearest[i];
+    const std::uint32_t* corners = scene.corners + 3 * std::size_t{scene.order[nearest]};
     for (int k = 0; k < 3; ++k) {
       const double* position = scene.positions + 3 * std::size_t{corners[k]};
       for (int axis = 0; axis < 3; ++axis) corner[3 * k + axis][i] = position[axis];
@@ -337,13 +352,14 @@ static void refine(const Block& block, const int (&first)[3], float (&out)[kBloc
     const double b[3] = {corner[3][i], corner[4][i], corner[5][i]};
     const double c[3] = {corner[6][i], corner[7][i], corner[8][i]};
     const double best = squaredDistanceToTriangle(p, a, b, c);
-    out[i] = static_cast<float>(__builtin_sqrt(best));
+    const double distance = __builtin_sqrt(best);
+    out[i] = static_cast<float>(block.nearest[i] < 0 || distance > band ? band : distance);
   }
 }
 
 static void fillBlock(const KernelScene& scene, const int (&first)[3], const Witness* const (&around)[8], float (&out)[kBlockSamples],
-                      KernelCounters& counters) {
-  Block block{scene, counters, {}, 0, {}, {}, {}, 0.0f, {}, {}};
+                      DistanceCost& cost) {
+  Block block{scene, cost, {}, 0, {}, {}, {}, 0.0f, 0.0f, {}, {}};
   for (int axis = 0; axis < 3; ++axis) block.centre[axis] = static_cast<float>(first[axis]) + kHalf;
   startBlock(block, around);
   std::int32_t stack[kStack];
@@ -351,7 +367,7 @@ static void fillBlock(const KernelScene& scene, const int (&first)[3], const Wit
   stack[top++] = 0;
   while (top > 0) {
     const TreeNode& node = scene.nodes[stack[--top]];
-    ++counters.nodes;
+    ++cost.nodes;
     for (Mask open = openChildren(block, node); open != 0; open &= open - 1) {
       const std::int32_t child = node.child[__builtin_ctz(open)];
       if (child < 0) {

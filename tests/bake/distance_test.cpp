@@ -179,6 +179,37 @@ TEST(Distance, TrianglesThatMakeADeepTreeMatchBruteForce) {
   EXPECT_LT(worstError(mesh, gridAround(glm::dvec3(-0.1), glm::dvec3(1.1, 0.2, 0.2), 50)), kFloatUlps);
 }
 
+TEST(NarrowBand, IsTheDenseDistanceCutAtTheBand) {
+  const Mesh mixed = reference::joined(soup(150, 23), reference::boxMesh(glm::dvec3(1.3, 0.2, 0.7)));
+  for (const double band : {0.3, 3.0, 11.5, 1000.0}) {
+    for (const Simd simd : {Simd::automatic, Simd::portable}) {
+      const Grid grid = gridAround(glm::dvec3(-2.5, -1.4, -1.3), glm::dvec3(2.6, 2.5, 1.6), 50);
+      std::vector<float> expected = unsignedDistance(mixed, grid, {}, simd);
+      const auto cut = static_cast<float>(band * grid.voxelSize);
+      for (float& distance : expected) distance = std::min(distance, cut);
+      EXPECT_EQ(narrowBand(mixed, grid, band, {}, simd), expected) << "band of " << band << " voxels";
+    }
+  }
+}
+
+TEST(NarrowBand, TurnedSlabLeavesMostPacketsAlone) {
+  Mesh slab;  // two long triangles across the grid's diagonal
+  slab.positions = {{-1.0, -1.0, -1.0}, {1.0, 1.0, -1.0}, {-1.0, -1.0, 1.0}, {1.0, 1.0, 1.0}};
+  slab.triangles = {{0, 1, 2}, {2, 1, 3}};
+  const Grid grid{glm::ivec3(64), glm::dvec3(-1.0), 2.0 / 63.0};
+  DistanceCost cost;
+  const std::vector<float> distance = narrowBand(slab, grid, 2.0, {}, Simd::automatic, &cost);
+  EXPECT_LT(cost.packets, 16 * 16 * 16 / 3);
+  const std::vector<double> truth = reference::distance(slab, pointsOf(grid));
+  for (std::size_t i = 0; i < distance.size(); ++i) ASSERT_NEAR(distance[i], std::min(truth[i], 2.0 * grid.voxelSize), 1e-6);
+}
+
+TEST(NarrowBand, FarFromTheMeshIsTheBand) {
+  const Grid grid{glm::ivec3(9), glm::dvec3(50.0), 0.1};
+  const Mesh mesh = soup(20, 2);
+  EXPECT_EQ(narrowBand(mesh, grid, 3.0), std::vector<float>(sampleCount(grid), static_cast<float>(3.0 * 0.1)));
+}
+
 TEST(Distance, SameBytesForAnyThreadCount) {
   const Mesh mesh = soup(500, 13);
   const Grid grid = gridAround(glm::dvec3(-1.5), glm::dvec3(1.5), 31);
@@ -189,6 +220,8 @@ TEST(Distance, SameBytesForAnyThreadCount) {
     if (first.empty()) first = distance;
     EXPECT_EQ(first, distance) << threads << " threads";
   }
+  tbb::task_arena one(1);
+  EXPECT_EQ(one.execute([&] { return narrowBand(mesh, grid, 2.5); }), narrowBand(mesh, grid, 2.5));
 }
 
 TEST(Distance, StopsWhenAsked) {
