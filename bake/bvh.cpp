@@ -7,7 +7,9 @@
 #include <algorithm>
 #include <array>
 #include <atomic>
+#include <bit>
 #include <cmath>
+#include <cstring>
 #include <limits>
 #include <memory>
 
@@ -17,7 +19,9 @@
 namespace overcast {
 namespace {
 
-constexpr int kBins = 16;
+constexpr std::size_t kBins = 16;
+constexpr std::size_t kFewBins = 8;  // for ranges of fewer than kFewPrimitives
+constexpr std::uint32_t kFewPrimitives = 64;
 constexpr std::uint32_t kSerialBelow = 4096;  // triangles: smaller ranges are built by one thread
 constexpr int kMedianBelow = 30;              // depth from which ranges are halved, which bounds the depth of the whole
 constexpr float kFar = 1e15f;                 // where unused slots lie; its square is still a float
@@ -25,6 +29,7 @@ constexpr double kRounding = 0x1p-23;         // twice what rounding to float ca
 
 /// Four lanes, the last unused: the compiler has vector minima and maxima for them.
 typedef float Float4 __attribute__((vector_size(16)));
+typedef std::int32_t Int4 __attribute__((vector_size(16)));
 
 Float4 lower(Float4 a, Float4 b) {
   return a < b ? a : b;
@@ -48,14 +53,25 @@ float area(const Bounds& bounds) {
   return size[0] * size[1] + size[1] * size[2] + size[2] * size[0];
 }
 
+/// The box around a triangle; its number takes the unused lane of `low`.
 struct Primitive {
-  Bounds bounds;
-  std::uint32_t triangle = 0;
+  Float4 low;
+  Float4 high;
 };
 
-/// Twice the centre.
+Primitive makePrimitive(const Bounds& bounds, std::uint32_t triangle) {
+  Primitive primitive{bounds.low, bounds.high};
+  primitive.low[3] = std::bit_cast<float>(triangle);
+  return primitive;
+}
+
+std::uint32_t triangleOf(const Primitive& primitive) {
+  return std::bit_cast<std::uint32_t>(float{primitive.low[3]});
+}
+
+/// Twice the centre, with a fourth lane that means nothing.
 Float4 centre(const Primitive& primitive) {
-  return primitive.bounds.low + primitive.bounds.high;
+  return primitive.low + primitive.high;
 }
 
 /// A range of primitives with the box around them and the box around their (doubled) centres.
@@ -77,56 +93,75 @@ struct BinaryNode {
 struct Builder {
   const Mesh& mesh;
   const Grid& grid;
+  std::vector<glm::vec3> positions;  // of the mesh, in voxels
   std::vector<Primitive> primitives;
   std::unique_ptr<BinaryNode[]> nodes;
   std::atomic<std::int32_t> nodeCount = 1;
 };
 
-glm::dvec3 inVoxels(const Builder& builder, const glm::dvec3& position) {
-  return (position - builder.grid.origin) / builder.grid.voxelSize;
+glm::dvec3 inVoxels(const Grid& grid, const glm::dvec3& position) {
+  return (position - grid.origin) / grid.voxelSize;
 }
 
-Range makePrimitives(Builder& builder, float error) {
-  const std::size_t count = builder.mesh.triangles.size();
-  builder.primitives.resize(count);
-  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, count, kSerialBelow), [&](const tbb::blocked_range<std::size_t>& range) {
-    for (std::size_t i = range.begin(); i < range.end(); ++i) {
-      Bounds bounds;
-      for (int k = 0; k < 3; ++k) {
-        const glm::vec3 corner(inVoxels(builder, builder.mesh.positions[builder.mesh.triangles[i][k]]));
-        include(bounds, {Float4{corner.x, corner.y, corner.z} - error, Float4{corner.x, corner.y, corner.z} + error});
-      }
-      builder.primitives[i] = {bounds, static_cast<std::uint32_t>(i)};
+/// Rounds positions, makes primitives of them and returns all.
+Range makePrimitives(Builder& builder) {
+  const auto inRanges = [](std::size_t count, const auto& body) {
+    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, count, kSerialBelow), [&](const tbb::blocked_range<std::size_t>& range) {
+      for (std::size_t i = range.begin(); i < range.end(); ++i) body(i);
+    });
+  };
+  builder.positions.resize(builder.mesh.positions.size());
+  inRanges(builder.positions.size(), [&](std::size_t i) { builder.positions[i] = inVoxels(builder.grid, builder.mesh.positions[i]); });
+  builder.primitives.resize(builder.mesh.triangles.size());
+  inRanges(builder.primitives.size(), [&](std::size_t i) {
+    Bounds bounds;
+    for (int k = 0; k < 3; ++k) {
+      const glm::vec3& corner = builder.positions[builder.mesh.triangles[i][k]];
+      const Float4 point{corner.x, corner.y, corner.z, 0.0f};
+      include(bounds, {point, point});
     }
+    builder.primitives[i] = makePrimitive(bounds, static_cast<std::uint32_t>(i));
   });
-  Range all{0, static_cast<std::uint32_t>(count), {}, {}};
+  Range all{0, static_cast<std::uint32_t>(builder.primitives.size()), {}, {}};
   for (const Primitive& primitive : builder.primitives) {
-    include(all.bounds, primitive.bounds);
+    include(all.bounds, {primitive.low, primitive.high});
     include(all.centres, {centre(primitive), centre(primitive)});
   }
   return all;
 }
 
-/// Up to kTreeWidth different positions. Triangles that share a corner share it here even where the mesh is not welded.
+/// Up to kTreeWidth different positions in voxels. Triangles share corners by position, so that an unwelded mesh makes leaves as full as a
+/// welded one.
 struct VertexSet {
-  std::array<glm::dvec3, kTreeWidth> positions;
+  Float4 position[3][kTreeWidth / 4];
   std::size_t size = 0;
 
-  /// The place of `position`, which is added when new and there is room; kTreeWidth when there is none.
-  std::size_t place(const glm::dvec3& position) {
-    const auto found = static_cast<std::size_t>(std::find(positions.begin(), positions.begin() + size, position) - positions.begin());
-    if (found == size && size < kTreeWidth) positions[size++] = position;
-    return found;
+  VertexSet() {
+    for (auto& axis : position) std::fill(std::begin(axis), std::end(axis), Float4{kFar, kFar, kFar, kFar});
+  }
+  /// The place of `point`, which is added when new and there is room; kTreeWidth when there is none.
+  std::size_t place(const glm::vec3& point) {
+    Int4 same{};
+    Int4 bit{1, 2, 4, 8};
+    for (std::size_t i = 0; i < kTreeWidth / 4; ++i, bit <<= 4) {
+      same |= (position[0][i] == point.x) & (position[1][i] == point.y) & (position[2][i] == point.z) & bit;
+    }
+    const std::int32_t found = same[0] | same[1] | same[2] | same[3];
+    if (found != 0) return static_cast<std::size_t>(std::countr_zero(static_cast<std::uint32_t>(found)));
+    if (size == kTreeWidth) return kTreeWidth;
+    for (int axis = 0; axis < 3; ++axis) position[axis][size / 4][size % 4] = point[axis];
+    return size++;
   }
 };
 
 /// Whether a range of at most kTreeWidth triangles has at most kTreeWidth vertices.
 bool fewVertices(const Builder& builder, std::uint32_t first, std::uint32_t count) {
+  if (3 * count <= kTreeWidth) return true;
   VertexSet vertices;
   for (std::uint32_t i = first; i < first + count; ++i) {
-    const glm::uvec3& corners = builder.mesh.triangles[builder.primitives[i].triangle];
+    const glm::uvec3& corners = builder.mesh.triangles[triangleOf(builder.primitives[i])];
     for (int k = 0; k < 3; ++k) {
-      if (vertices.place(builder.mesh.positions[corners[k]]) == kTreeWidth) return false;
+      if (vertices.place(builder.positions[corners[k]]) == kTreeWidth) return false;
     }
   }
   return true;
@@ -135,28 +170,32 @@ bool fewVertices(const Builder& builder, std::uint32_t first, std::uint32_t coun
 /// How primitives fall into bins along one axis.
 struct Binning {
   int axis = 0;
+  std::size_t bins = kBins;
   float start = 0.0f;
   float scale = 0.0f;
 
-  explicit Binning(const Bounds& centres) {
+  explicit Binning(const Range& range) : bins(range.count < kFewPrimitives ? kFewBins : kBins) {
+    const Bounds& centres = range.centres;
     const Float4 size = centres.high - centres.low;
     axis = size[0] >= size[1] && size[0] >= size[2] ? 0 : size[1] >= size[2] ? 1 : 2;
     start = centres.low[axis];
-    scale = size[axis] > 0.0f ? static_cast<float>(kBins) * 0.9999f / size[axis] : 0.0f;
+    scale = size[axis] > 0.0f ? static_cast<float>(bins) * 0.9999f / size[axis] : 0.0f;
   }
-  int bin(const Primitive& primitive) const { return std::min(static_cast<int>((centre(primitive)[axis] - start) * scale), kBins - 1); }
+  std::size_t bin(const Primitive& primitive) const {
+    return std::min(static_cast<std::size_t>((centre(primitive)[axis] - start) * scale), bins - 1);
+  }
 };
 
 /// Splits the range where the surface-area heuristic is lowest; in the middle of the order when all centres fall together or the tree is
 /// deep already.
 std::array<Range, 2> split(Builder& builder, const Range& range, int depth) {
-  const Binning binning(range.centres);
+  const Binning binning(range);
   std::array<Range, kBins> bins;
   for (std::uint32_t i = range.first; i < range.first + range.count; ++i) {
     const Primitive& primitive = builder.primitives[i];
-    Range& bin = bins[static_cast<std::size_t>(binning.bin(primitive))];
+    Range& bin = bins[binning.bin(primitive)];
     ++bin.count;
-    include(bin.bounds, primitive.bounds);
+    include(bin.bounds, {primitive.low, primitive.high});
     include(bin.centres, {centre(primitive), centre(primitive)});
   }
   const auto join = [](Range& to, const Range& bin) {
@@ -165,25 +204,25 @@ std::array<Range, 2> split(Builder& builder, const Range& range, int depth) {
     include(to.centres, bin.centres);
   };
   std::array<Range, kBins> right;  // right[i] holds bins i and above
-  right.back() = bins.back();
-  for (std::size_t i = kBins - 1; i-- > 0;) {
+  right[binning.bins - 1] = bins[binning.bins - 1];
+  for (std::size_t i = binning.bins - 1; i-- > 0;) {
     right[i] = right[i + 1];
     join(right[i], bins[i]);
   }
   std::array<Range, 2> best;
   float bestCost = std::numeric_limits<float>::max();
-  int bestBin = -1;
+  std::size_t bestBin = 0;
   Range left;
-  for (std::size_t i = 1; i < kBins; ++i) {
+  for (std::size_t i = 1; i < binning.bins; ++i) {
     join(left, bins[i - 1]);
     if (left.count == 0 || right[i].count == 0) continue;
     const float cost = area(left.bounds) * static_cast<float>(left.count) + area(right[i].bounds) * static_cast<float>(right[i].count);
     if (cost >= bestCost) continue;
     bestCost = cost;
-    bestBin = static_cast<int>(i);
+    bestBin = i;
     best = {left, right[i]};
   }
-  if (bestBin < 0 || depth >= kMedianBelow) {
+  if (bestBin == 0 || depth >= kMedianBelow) {
     best = {range, range};
     best[0].count = range.count / 2;
     best[1].count = range.count - best[0].count;
@@ -253,50 +292,53 @@ std::int32_t collapse(const Builder& builder, std::int32_t index, Tree& tree, st
     TreeNode& node = tree.nodes[static_cast<std::size_t>(wide)];
     node.child[i] = target;
     for (int axis = 0; axis < 3; ++axis) {
-      node.low[axis][i] = child.bounds.low[axis];
-      node.high[axis][i] = child.bounds.high[axis];
+      node.low[axis][i] = child.bounds.low[axis] - tree.positionError;
+      node.high[axis][i] = child.bounds.high[axis] + tree.positionError;
     }
   }
   return wide;
 }
 
-/// Squared radius of the smallest circle around a triangle whose longest edge has length `base` and whose third corner is `c` in its frame.
+/// Squared radius of the smallest circle around a triangle whose longest edge runs from 0 to `base` on the first axis and whose third
+/// corner is `c`.
 double enclosingRadius2(double base, const glm::dvec2& c) {
   const double toMiddle = c.x - 0.5 * base;
   const double half2 = 0.25 * base * base;
-  if (toMiddle * toMiddle + c.y * c.y <= half2) return half2;
-  const double up = (toMiddle * toMiddle + c.y * c.y - half2) / (2.0 * c.y);  // circumcentre above the middle of the base
+  const double outside = toMiddle * toMiddle + c.y * c.y - half2;
+  if (outside <= 0.0) return half2;
+  const double up = outside / (2.0 * c.y);  // circumcentre above the middle of the base
   return half2 + up * up;
+}
+
+/// Any unit vector perpendicular to the unit vector `u`.
+glm::dvec3 perpendicularTo(const glm::dvec3& u) {
+  return glm::normalize(glm::cross(u, std::abs(u.x) < 0.5 ? glm::dvec3(1.0, 0.0, 0.0) : glm::dvec3(0.0, 1.0, 0.0)));
+}
+
+void store(float (&to)[3], const glm::dvec3& from) {
+  for (int k = 0; k < 3; ++k) to[k] = static_cast<float>(from[k]);
 }
 
 /// Fills `out` and returns the squared radius of the smallest enclosing circle. Corners in voxels.
 double makeTriangle(const std::array<glm::dvec3, 3>& corners, TreeTriangle& out) {
-  const std::array<double, 3> edges = {glm::length(corners[1] - corners[0]), glm::length(corners[2] - corners[1]),
-                                       glm::length(corners[0] - corners[2])};
-  const auto longest = static_cast<std::size_t>(std::max_element(edges.begin(), edges.end()) - edges.begin());
-  const double base = edges[longest];
+  const std::array<glm::dvec3, 3> edges = {corners[1] - corners[0], corners[2] - corners[1], corners[0] - corners[2]};
+  const std::array<double, 3> length2 = {glm::dot(edges[0], edges[0]), glm::dot(edges[1], edges[1]), glm::dot(edges[2], edges[2])};
+  const auto longest = static_cast<std::size_t>(std::max_element(length2.begin(), length2.end()) - length2.begin());
+  const std::size_t next = (longest + 1) % 3;
+  const std::size_t last = (longest + 2) % 3;
+  const double base = std::sqrt(length2[longest]);
   const glm::dvec3 a = corners[longest];
-  const glm::dvec3 ac = corners[(longest + 2) % 3] - a;
-  const glm::dvec3 u = base > 0.0 ? (corners[(longest + 1) % 3] - a) / base : glm::dvec3(1.0, 0.0, 0.0);
-  glm::dvec3 v = ac - glm::dot(ac, u) * u;
-  v -= glm::dot(v, u) * u;
-  const double height = glm::length(v);
+  const glm::dvec3 ac = -edges[last];
+  const glm::dvec3 u = base > 0.0 ? edges[longest] / base : glm::dvec3(1.0, 0.0, 0.0);
+  const glm::dvec3 normal = glm::cross(u, ac);
+  const double height = glm::length(normal);
   const bool degenerate = !(height > 1e-9 * base);
-  if (degenerate) {
-    v = std::abs(u.x) < 0.5 ? glm::cross(u, glm::dvec3(1.0, 0.0, 0.0)) : glm::cross(u, glm::dvec3(0.0, 1.0, 0.0));
-    v = glm::normalize(v);
-  } else {
-    v /= height;
-  }
-  const glm::dvec3 w = glm::cross(u, v);
-  const glm::dvec2 c(glm::dot(ac, u), degenerate ? 0.0 : height);
-  for (int k = 0; k < 3; ++k) {
-    out.a[k] = static_cast<float>(a[k]);
-    out.aRest[k] = static_cast<float>(a[k] - static_cast<double>(out.a[k]));
-    out.u[k] = static_cast<float>(u[k]);
-    out.v[k] = static_cast<float>(v[k]);
-    out.w[k] = static_cast<float>(w[k]);
-  }
+  const glm::dvec3 w = degenerate ? perpendicularTo(u) : normal / height;
+  store(out.a, a);
+  store(out.aRest, a - glm::dvec3(out.a[0], out.a[1], out.a[2]));
+  store(out.u, u);
+  store(out.v, glm::cross(w, u));
+  store(out.w, w);
   out.length0 = static_cast<float>(base);
   if (degenerate) {
     // The longest edge is all there is: edge 1 is put out of reach, which leaves no point inside, and edge 2 repeats edge 0.
@@ -308,38 +350,36 @@ double makeTriangle(const std::array<glm::dvec3, 3>& corners, TreeTriangle& out)
     out.along2[1] = 0.0f;
     return 0.25 * base * base;
   }
-  const glm::dvec2 bc = c - glm::dvec2(base, 0.0);
-  const double length1 = glm::length(bc);
-  const double length2 = glm::length(c);
+  const glm::dvec2 c(glm::dot(ac, u), height);
+  const double length1 = std::sqrt(length2[next]);
+  const double lengthC = std::sqrt(length2[last]);
+  const glm::dvec2 along1 = (c - glm::dvec2(base, 0.0)) / length1;
+  const glm::dvec2 along2 = c / lengthC;
   out.length1 = static_cast<float>(length1);
-  out.length2 = static_cast<float>(length2);
-  out.along1[0] = static_cast<float>(bc.x / length1);
-  out.along1[1] = static_cast<float>(bc.y / length1);
-  out.alongStart1 = static_cast<float>(-bc.x / length1 * base);
-  out.innerStart1 = static_cast<float>(bc.y / length1 * base);
-  out.along2[0] = static_cast<float>(c.x / length2);
-  out.along2[1] = static_cast<float>(c.y / length2);
+  out.length2 = static_cast<float>(lengthC);
+  out.along1[0] = static_cast<float>(along1.x);
+  out.along1[1] = static_cast<float>(along1.y);
+  out.alongStart1 = static_cast<float>(-along1.x * base);
+  out.innerStart1 = static_cast<float>(along1.y * base);
+  out.along2[0] = static_cast<float>(along2.x);
+  out.along2[1] = static_cast<float>(along2.y);
   return enclosingRadius2(base, c);
 }
 
 void fillLeaf(const Builder& builder, const BinaryNode& range, Tree& tree, TreeLeaf& leaf) {
   VertexSet vertices;
   leaf = {};
-  for (auto& axis : leaf.vertex) std::fill(std::begin(axis), std::end(axis), kFar);
   leaf.firstTriangle = range.first;
   for (std::uint32_t i = 0; i < range.count; ++i) {
-    const std::uint32_t triangle = builder.primitives[range.first + i].triangle;
+    const std::uint32_t triangle = triangleOf(builder.primitives[range.first + i]);
     tree.order[range.first + i] = triangle;
     std::array<glm::dvec3, 3> corners;
     std::array<std::size_t, 3> slots;
-    for (int k = 0; k < 3; ++k) {
-      const glm::dvec3& position = builder.mesh.positions[builder.mesh.triangles[triangle][k]];
-      const std::size_t slot = vertices.place(position);
-      const auto corner = static_cast<std::size_t>(k);
-      corners[corner] = inVoxels(builder, position);
-      slots[corner] = slot;
-      leaf.corners[i] |= 1u << slot;
-      for (int axis = 0; axis < 3; ++axis) leaf.vertex[axis][slot] = static_cast<float>(corners[corner][axis]);
+    for (std::size_t k = 0; k < 3; ++k) {
+      const std::uint32_t vertex = builder.mesh.triangles[triangle][static_cast<int>(k)];
+      corners[k] = inVoxels(builder.grid, builder.mesh.positions[vertex]);
+      slots[k] = vertices.place(builder.positions[vertex]);
+      leaf.corners[i] |= 1u << slots[k];
     }
     const double radius2 = makeTriangle(corners, tree.triangles[range.first + i]);
     // Besides R^2: what the rounding of positions and of |p - v|^2, which is about R^2 when it matters, can do.
@@ -347,24 +387,23 @@ void fillLeaf(const Builder& builder, const BinaryNode& range, Tree& tree, TreeL
     const auto slack = static_cast<float>(radius2 * (1.0 + 64.0 * kRounding) + 8.0 * error * (std::sqrt(radius2) + error));
     for (const std::size_t slot : slots) leaf.slack[slot] = std::max(leaf.slack[slot], slack);
   }
+  static_assert(sizeof leaf.vertex == sizeof vertices.position);
+  std::memcpy(leaf.vertex, vertices.position, sizeof leaf.vertex);
 }
 
 }  // namespace
 
 Tree buildTree(const Mesh& mesh, const Grid& grid) {
   Tree tree;
-  Builder builder{mesh, grid, {}, {}};
+  Builder builder{mesh, grid, {}, {}, {}};
   const std::size_t count = mesh.triangles.size();
+  const Range all = makePrimitives(builder);
   double reach = glm::length(glm::dvec3(grid.size));
-  for (const glm::uvec3& corners : mesh.triangles) {
-    for (int k = 0; k < 3; ++k) {
-      const glm::dvec3 position = glm::abs(inVoxels(builder, mesh.positions[corners[k]]));
-      reach = std::max({reach, position.x, position.y, position.z});
-    }
+  for (int axis = 0; axis < 3; ++axis) {
+    reach = std::max({reach, std::abs(double{all.bounds.low[axis]}), std::abs(double{all.bounds.high[axis]})});
   }
   OVERCAST_REQUIRE(reach < 1e12, "mesh reaches {} voxels from the grid's origin", reach);
   tree.positionError = static_cast<float>(kRounding * reach);
-  const Range all = makePrimitives(builder, tree.positionError);
   builder.nodes = std::make_unique_for_overwrite<BinaryNode[]>(2 * count + 1);
   buildBinary(builder, 0, all, 0);
   std::vector<std::int32_t> leafNodes;

@@ -329,19 +329,24 @@ static void testLeaf(Block& block, const TreeLeaf& leaf) {
   }
 }
 
+/// The corners of a triangle, one array per coordinate. A function of its own, because the compiler makes slow vectors of the look-ups.
+__attribute__((noinline)) static void loadCorners(const KernelScene& scene, std::int32_t triangle, int sample,
+                                                  double (&corner)[9][kBlockSamples]) {
+  const std::uint32_t* corners = scene.corners + 3 * std::size_t{scene.order[triangle]};
+  for (int k = 0; k < 3; ++k) {
+    const double* position = scene.positions + 3 * std::size_t{corners[k]};
+    for (int axis = 0; axis < 3; ++axis) corner[3 * k + axis][sample] = position[axis];
+  }
+}
+
 /// The distances again in double, to the triangles that were found nearest.
 static void refine(const Block& block, const int (&first)[3], float (&out)[kBlockSamples]) {
   const KernelScene& scene = block.scene;
   const double band = scene.band * scene.voxelSize;
-  double corner[9][kBlockSamples];
-  double point[3][kBlockSamples];
+  alignas(64) double corner[9][kBlockSamples];
+  alignas(64) double point[3][kBlockSamples];
   for (int i = 0; i < kBlockSamples; ++i) {
-    const std::int32_t nearest = block.nearest[i] < 0 ? 0 : block.nearest[i];
-    const std::uint32_t* corners = scene.corners + 3 * std::size_t{scene.order[nearest]};
-    for (int k = 0; k < 3; ++k) {
-      const double* position = scene.positions + 3 * std::size_t{corners[k]};
-      for (int axis = 0; axis < 3; ++axis) corner[3 * k + axis][i] = position[axis];
-    }
+    loadCorners(scene, block.nearest[i] < 0 ? 0 : block.nearest[i], i, corner);
     point[0][i] = scene.origin[0] + scene.voxelSize * (first[0] + i % kBlock);
     point[1][i] = scene.origin[1] + scene.voxelSize * (first[1] + i / kBlock % kBlock);
     point[2][i] = scene.origin[2] + scene.voxelSize * (first[2] + i / kSlice);

@@ -1,0 +1,20 @@
+// Peers: other ways to the same distance volumes, for the bench to compare with.
+#pragma once
+
+#include <vector>
+
+#include "bake/distance.h"
+#include "formats/mesh.h"
+
+namespace overcast::bench {
+
+/// Embree point queries, one per sample, the radius started with the neighbour's distance plus one voxel; single floats.
+std::vector<float> embreeDistance(const Mesh& mesh, const Grid& grid);
+
+/// OpenVDB meshToVolume with a band of `bandVoxels` on both sides; absolute values, the band elsewhere.
+std::vector<float> openvdbBand(const Mesh& mesh, const Grid& grid, double bandVoxels);
+
+/// The same with a band of 3, extended over the whole box by fast sweeping (tools::maskSdf).
+std::vector<float> openvdbSweep(const Mesh& mesh, const Grid& grid);
+
+}  // namespace overcast::bench
