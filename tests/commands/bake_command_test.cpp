@@ -1,0 +1,252 @@
+// The command overcast-bake: exit codes, messages, files.
+#include <algorithm>
+#include <fstream>
+#include <iterator>
+#include <map>
+#include <string>
+#include <vector>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "formats/mesh.h"
+#include "formats/scene.h"
+#include "tests/commands/scratch.h"
+#include "tests/commands/shell.h"
+#include "tests/reference/shapes.h"
+
+namespace overcast::test {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::HasSubstr;
+using testing::Not;
+
+const std::string kBake = quoted(std::string(OVERCAST_BINARY_FOLDER) + "/overcast-bake");
+
+std::string contents(const fs::path& file) {
+  std::ifstream stream(file, std::ios::binary);
+  return {std::istreambuf_iterator<char>(stream), {}};
+}
+
+/// Path below `folder` and content of every file in it.
+std::map<std::string, std::string> everythingIn(const fs::path& folder) {
+  std::map<std::string, std::string> files;
+  if (!fs::exists(folder)) return files;
+  for (const auto& entry : fs::recursive_directory_iterator(folder))
+    if (entry.is_regular_file()) files[fs::relative(entry.path(), folder).string()] = contents(entry.path());
+  return files;
+}
+
+class BakeCommand : public testing::Test {
+ protected:
+  void SetUp() override {
+    folder = scratchFolder();
+    write("ball.off", reference::icosphere(1.0, 3));
+    write("ring.off", reference::torusMesh(1.0, 0.4, 32, 16));
+    write("bowl.off", reference::withHoles(reference::icosphere(1.0, 3), 0.2, 4));
+    std::ofstream(folder / "broken.off") << "OFF\n8 6 0\n0 0 0\n";
+    std::ofstream(folder / "text.txt") << "hello\n";
+  }
+
+  void write(const std::string& name, const Mesh& mesh) { ASSERT_TRUE(writeOff(folder / name, mesh).ok()); }
+  ShellResult bake(const std::string& arguments) const { return shell(fmt::format("{} {}", kBake, arguments), folder); }
+  std::map<std::string, std::string> filesIn(const std::string& name) const { return everythingIn(folder / name); }
+
+  fs::path folder;
+};
+
+TEST_F(BakeCommand, AMeshBecomesASceneThatValidates) {
+  const ShellResult baked = bake("ball.off -o out 2>messages");
+  EXPECT_EQ(baked.exitCode, 0) << contents(folder / "messages");
+  EXPECT_THAT(baked.output, testing::MatchesRegex("out/volumes/ball-[0-9a-f]{8}.vdb\nout/scene.bin\nout/scene.gltf\n"));
+  EXPECT_THAT(contents(folder / "messages"), HasSubstr("ball.off: 1,280 faces, 32x32x32, "));
+  EXPECT_THAT(contents(folder / "messages"), HasSubstr("closed, signed-crossings\n"));
+  EXPECT_THAT(contents(folder / "messages"), Not(HasSubstr("\r")));
+  EXPECT_EQ(filesIn("out").size(), 3u);
+
+  const Result<Scene> scene = readScene(folder / "out/scene.gltf");
+  ASSERT_TRUE(scene.ok());
+  ASSERT_EQ(scene.value().nodes.size(), 1u);
+  const Occluder& occluder = scene.value().nodes[0].occluder.value();
+  EXPECT_EQ(occluder.source, "ball.off");
+  EXPECT_EQ(occluder.bytes, fs::file_size(folder / "out" / occluder.uri));
+  EXPECT_EQ(occluder.error.samples, 4096u);
+  EXPECT_EQ(occluder.error.signErrors, 0u);
+  EXPECT_GT(occluder.error.rms, 0.0);
+  EXPECT_TRUE(scene.value().lighting.has_value());
+  EXPECT_EQ(bake("validate out/scene.gltf").exitCode, 0);
+}
+
+TEST_F(BakeCommand, AGltfSceneKeepsItsName) {
+  ASSERT_EQ(bake("ball.off ring.off -o first --name pair").exitCode, 0);
+  ASSERT_EQ(bake("first/pair.gltf -o second").exitCode, 0);
+  EXPECT_EQ(bake("validate second/pair.gltf").exitCode, 0);
+  EXPECT_EQ(bake("first/pair.gltf -o first").exitCode, 2);  // would replace its own input
+  EXPECT_EQ(bake("validate first/pair.gltf").exitCode, 0);
+}
+
+TEST_F(BakeCommand, EqualMeshesShareOneVolume) {
+  fs::copy_file(folder / "ball.off", folder / "copy.off");
+  ASSERT_EQ(bake("ball.off copy.off ring.off -o out").exitCode, 0);
+  EXPECT_EQ(filesIn("out/volumes").size(), 2u);
+  const Result<Scene> scene = readScene(folder / "out/scene.gltf");
+  ASSERT_TRUE(scene.ok());
+  EXPECT_EQ(scene.value().nodes.size(), 3u);
+  EXPECT_EQ(scene.value().nodes[0].occluder->uri, scene.value().nodes[1].occluder->uri);
+}
+
+TEST_F(BakeCommand, SameBytesForAnyThreadCount) {
+  for (const char* threads : {"1", "2", "4"})
+    ASSERT_EQ(bake(fmt::format("ball.off ring.off bowl.off -o out{0} --threads {0} --quiet", threads)).exitCode, 0);
+  EXPECT_EQ(filesIn("out1"), filesIn("out2"));
+  EXPECT_EQ(filesIn("out1"), filesIn("out4"));
+}
+
+TEST_F(BakeCommand, JsonAloneIsOnStdout) {
+  const ShellResult baked = bake("ball.off bowl.off -o out --json 2>messages");
+  ASSERT_EQ(baked.exitCode, 0);
+  const nlohmann::json document = nlohmann::json::parse(baked.output);
+  EXPECT_EQ(document["format"], "overcast-bake");
+  EXPECT_EQ(document["version"], 1);
+  ASSERT_EQ(document["inputs"].size(), 2u);
+  EXPECT_EQ(document["inputs"][0]["meshes"][0]["found"]["closed"], true);
+  EXPECT_EQ(document["inputs"][1]["meshes"][0]["found"]["closed"], false);
+  EXPECT_EQ(document["inputs"][1]["meshes"][0]["occluder"]["signMethod"], "winding-number");
+  EXPECT_EQ(document["files"].size(), 4u);
+  EXPECT_THAT(contents(folder / "messages"), HasSubstr("bowl.off: note: "));
+
+  const nlohmann::json inspected = nlohmann::json::parse(bake("inspect out/scene.gltf --json").output);
+  EXPECT_EQ(inspected["kind"], "baked scene");
+  EXPECT_EQ(inspected["occluders"], 2);
+}
+
+TEST_F(BakeCommand, QuietSaysNothing) {
+  EXPECT_EQ(bake("bowl.off -o out --quiet > /dev/null").output, "");
+}
+
+TEST_F(BakeCommand, WrongArgumentsAreExitCodeTwo) {
+  for (const char* arguments :
+       {"", "ball.off", "-o out", "ball.off -o out --resolution 7", "ball.off -o out --resolution many", "ball.off -o out --bits 8",
+        "ball.off -o out --voxel-size 0", "ball.off -o out --voxel-size 1 --resolution 9", "ball.off -o out --wrong",
+        "ball.off -o out --name ../up", "inspect", "validate"}) {
+    EXPECT_EQ(bake(arguments).exitCode, 2) << arguments;
+    EXPECT_FALSE(fs::exists(folder / "out")) << arguments;
+  }
+  for (const char* arguments : {"--help", "bake --help", "inspect --help", "validate --help"}) {
+    const ShellResult help = bake(arguments);
+    EXPECT_EQ(help.exitCode, 0);
+    EXPECT_THAT(help.output, HasSubstr("Exit codes:"));
+  }
+  EXPECT_THAT(bake("--version").output, HasSubstr("overcast-bake 0."));
+}
+
+TEST_F(BakeCommand, BadInputsAreNamedAndNothingIsWritten) {
+  write("point.off", reference::scaled(reference::boxMesh(glm::dvec3(1.0)), 0.0));
+  const ShellResult baked = bake("ball.off broken.off missing.off text.txt point.off . -o out");
+  EXPECT_EQ(baked.exitCode, 3);
+  for (const char* file : {"broken.off", "missing.off", "text.txt", "point.off", "overcast-bake: .: "})
+    EXPECT_THAT(baked.output, HasSubstr(file));
+  EXPECT_EQ(std::count(baked.output.begin(), baked.output.end(), '\n'), 5);
+  EXPECT_FALSE(fs::exists(folder / "out"));
+}
+
+TEST_F(BakeCommand, KeepGoingBakesTheGoodOnes) {
+  EXPECT_EQ(bake("ball.off broken.off ring.off -o out --keep-going").exitCode, 6);
+  EXPECT_EQ(filesIn("out/volumes").size(), 2u);
+  EXPECT_EQ(bake("validate out/scene.gltf").exitCode, 0);
+  EXPECT_EQ(bake("broken.off -o none --keep-going").exitCode, 3);
+  EXPECT_FALSE(fs::exists(folder / "none"));
+}
+
+TEST_F(BakeCommand, AnOutputThatCannotBeWrittenIsExitCodeFour) {
+  const ShellResult baked = bake("ball.off -o text.txt");
+  EXPECT_EQ(baked.exitCode, 4);
+  EXPECT_THAT(baked.output, HasSubstr("text.txt"));
+  EXPECT_EQ(contents(folder / "text.txt"), "hello\n");
+}
+
+TEST_F(BakeCommand, FlatSheetsBake) {
+  Mesh sheet;
+  sheet.positions = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}};
+  sheet.triangles = {{0, 1, 2}, {0, 2, 3}};
+  write("sheet.off", sheet);
+  EXPECT_EQ(bake("sheet.off -o out").exitCode, 0);
+  EXPECT_EQ(bake("validate out/scene.gltf").exitCode, 0);
+}
+
+TEST_F(BakeCommand, ValidateFindsWhatIsWrong) {
+  ASSERT_EQ(bake("ball.off -o out").exitCode, 0);
+  const Result<Scene> scene = readScene(folder / "out/scene.gltf");
+  ASSERT_TRUE(scene.ok());
+  const fs::path volume = folder / "out" / scene.value().nodes[0].occluder->uri;
+  const std::string whole = contents(volume);
+
+  std::string changed = whole;
+  changed[changed.size() / 2] = static_cast<char>(changed[changed.size() / 2] ^ 1);
+  std::ofstream(volume, std::ios::binary) << changed;
+  ShellResult found = bake("validate out/scene.gltf");
+  EXPECT_EQ(found.exitCode, 5);
+  EXPECT_THAT(found.output, HasSubstr("content does not match"));
+
+  std::ofstream(volume, std::ios::binary) << whole.substr(0, whole.size() / 2);
+  found = bake("validate out/scene.gltf");
+  EXPECT_EQ(found.exitCode, 5);
+  EXPECT_THAT(found.output, HasSubstr("bytes, the scene says"));
+
+  fs::remove(volume);
+  EXPECT_EQ(bake("validate out/scene.gltf").exitCode, 5);
+  std::ofstream(volume, std::ios::binary) << whole;
+  EXPECT_EQ(bake("validate out/scene.gltf").exitCode, 0);
+
+  for (const auto& [from, to] : std::map<std::string, std::string>{{"\"lipschitz\":", "\"lipschitz\":0.5,\"was\":"},
+                                                                   {"\"signMethod\":", "\"signMethod\":\"other\",\"was\":"}}) {
+    std::string text = contents(folder / "out/scene.gltf");
+    const std::size_t place = text.find(from);
+    ASSERT_NE(place, std::string::npos) << from;
+    text.replace(place, from.size(), to);
+    std::ofstream(folder / "out/changed.gltf") << text;
+    EXPECT_EQ(bake("validate out/changed.gltf").exitCode, 5) << from;
+  }
+  EXPECT_EQ(bake("validate ball.off").exitCode, 3);
+  EXPECT_EQ(bake("validate missing.gltf").exitCode, 3);
+}
+
+TEST_F(BakeCommand, AnInterruptLeavesNothing) {
+  const ShellResult stopped = bake("ring.off -o out --resolution 500 --threads 1 --quiet & p=$!; sleep 0.5; kill -TERM $p; wait $p");
+  EXPECT_EQ(stopped.exitCode, 130) << stopped.output;
+  EXPECT_FALSE(fs::exists(folder / "out"));
+}
+
+// Killed at any moment, the folder holds a scene that validates, or between two renames none.
+TEST_F(BakeCommand, AKilledBakeLeavesNoTornScene) {
+  ASSERT_EQ(bake("ball.off -o out").exitCode, 0);
+  int whole = 0;
+  for (int i = 0; i < 24; ++i) {
+    const std::string inputs = i % 2 ? "ball.off" : "ring.off bowl.off";
+    bake(fmt::format("{} -o out --resolution {} --quiet & p=$!; sleep {:.3f}; kill -9 $p; wait $p", inputs, 8 + i % 3, 0.01 + 0.01 * i));
+    if (!fs::exists(folder / "out/scene.gltf")) continue;
+    const ShellResult checked = bake("validate out/scene.gltf");
+    EXPECT_EQ(checked.exitCode, 0) << checked.output;
+    ++whole;
+  }
+  EXPECT_GT(whole, 12);
+}
+
+// Every mesh of the shared folder in two commands: no signal, no hang, and what was baked validates.
+TEST_F(BakeCommand, RealDirtyMeshesBakeOrAreNamed) {
+  const fs::path shared = fs::path(OVERCAST_SOURCE_FOLDER).parent_path() / "shared/meshes";
+  if (!fs::exists(shared)) GTEST_SKIP() << "no folder " << shared;
+  for (const char* kind : {"dirty", "malformed"}) {
+    std::string files;
+    for (const auto& entry : fs::directory_iterator(shared / kind))
+      if (isMeshFile(entry.path())) files += fmt::format(" {}", quoted(entry.path().string()));
+    const ShellResult baked = bake(fmt::format("{} -o {} --resolution 16 --error-samples 500 --quiet --keep-going", files, kind));
+    EXPECT_EQ(baked.exitCode, 6) << baked.output;
+    EXPECT_EQ(bake(fmt::format("validate {}/scene.gltf", kind)).exitCode, 0);
+  }
+}
+
+}  // namespace
+}  // namespace overcast::test
