@@ -53,7 +53,24 @@ double volumeUnder(const Mesh& mesh, const glm::uvec3& t, const glm::dvec3& apex
   return glm::dot(mesh.positions[t.x] - apex, glm::cross(mesh.positions[t.y] - apex, mesh.positions[t.z] - apex));
 }
 
-/// Drops repeated triangles and returns, for those that stay, whether one of the opposite orientation stays as well: such a pair
+constexpr char kFirstOfPair = 1;
+constexpr char kSecondOfPair = 2;
+
+/// Removes the marked triangles, and what `paired` says of them; returns how many.
+std::uint64_t removeTriangles(Mesh& mesh, std::vector<char>& paired, const std::vector<char>& marked) {
+  std::size_t kept = 0;
+  for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
+    if (marked[i]) continue;
+    paired[kept] = paired[i];
+    mesh.triangles[kept++] = mesh.triangles[i];
+  }
+  const std::uint64_t removed = mesh.triangles.size() - kept;
+  mesh.triangles.resize(kept);
+  paired.resize(kept);
+  return removed;
+}
+
+/// Drops repeated triangles and says of those that stay whether one of the opposite orientation stays as well: such a pair
 /// encloses nothing, so it says nothing about orientation.
 std::vector<char> dropDuplicates(Mesh& mesh, std::uint64_t& dropped) {
   struct Key {
@@ -73,25 +90,18 @@ std::vector<char> dropDuplicates(Mesh& mesh, std::uint64_t& dropped) {
   std::sort(keys.begin(), keys.end(),
             [](const Key& a, const Key& b) { return std::tie(a.corners, a.even, a.triangle) < std::tie(b.corners, b.even, b.triangle); });
   std::vector<char> repeated(mesh.triangles.size(), 0), paired(mesh.triangles.size(), 0);
+  std::size_t group = 0;  // first key with these corners
   for (std::size_t i = 1; i < keys.size(); ++i) {
-    if (keys[i].corners != keys[i - 1].corners) continue;
-    if (keys[i].even == keys[i - 1].even) {
+    if (keys[i].corners != keys[i - 1].corners) {
+      group = i;
+    } else if (keys[i].even == keys[i - 1].even) {
       repeated[keys[i].triangle] = 1;
-      paired[keys[i].triangle] = paired[keys[i - 1].triangle];
     } else {
-      paired[keys[i].triangle] = 1;
-      for (std::size_t j = i; j-- > 0 && keys[j].corners == keys[i].corners;) paired[keys[j].triangle] = 1;
+      paired[std::min(keys[i].triangle, keys[group].triangle)] = kFirstOfPair;
+      paired[std::max(keys[i].triangle, keys[group].triangle)] = kSecondOfPair;
     }
   }
-  std::size_t kept = 0;
-  for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
-    if (repeated[i]) continue;
-    paired[kept] = paired[i];
-    mesh.triangles[kept++] = mesh.triangles[i];
-  }
-  dropped = mesh.triangles.size() - kept;
-  mesh.triangles.resize(kept);
-  paired.resize(kept);
+  dropped = removeTriangles(mesh, paired, repeated);
   return paired;
 }
 
@@ -112,6 +122,33 @@ class Sets {
  private:
   std::vector<std::uint32_t> parent_;
 };
+
+Sets componentsOf(const std::vector<glm::uvec3>& triangles) {
+  Sets sets(triangles.size());
+  forEachEdge(edgeUses(triangles), [&](auto first, auto last) {
+    for (auto use = first + 1; use != last; ++use) sets.join(first->triangle, use->triangle);
+  });
+  return sets;
+}
+
+/// Counts components, and takes the second triangle of every pair out of those that consist of pairs alone: surfaces modelled with
+/// two sides, which would otherwise cancel as a whole and be nowhere solid. Then the first ones count as a surface of one side.
+void openDoubleSided(Mesh& mesh, std::vector<char>& paired, MeshDiagnosis& found) {
+  Sets sets = componentsOf(mesh.triangles);
+  std::vector<char> seen(mesh.triangles.size(), 0), singleSided(mesh.triangles.size(), 0), marked(mesh.triangles.size(), 0);
+  for (std::uint32_t i = 0; i < mesh.triangles.size(); ++i) {
+    if (isCollapsed(mesh.triangles[i])) continue;
+    found.components += !seen[sets.find(i)];
+    seen[sets.find(i)] = 1;
+    singleSided[sets.find(i)] |= !paired[i];
+  }
+  for (std::uint32_t i = 0; i < mesh.triangles.size(); ++i) {
+    if (singleSided[sets.find(i)]) continue;
+    marked[i] = paired[i] == kSecondOfPair;
+    paired[i] = 0;
+  }
+  found.duplicateTriangles += removeTriangles(mesh, paired, marked);
+}
 
 struct FlipRecorder : pmp::Default_orientation_visitor {
   std::vector<char>* flipped = nullptr;
@@ -177,28 +214,14 @@ void orientPatches(Mesh& mesh, const std::vector<std::uint32_t>& active, MeshDia
   }
 }
 
-std::uint64_t countComponents(const std::vector<glm::uvec3>& triangles) {
-  Sets sets(triangles.size());
-  forEachEdge(edgeUses(triangles), [&](auto first, auto last) {
-    for (auto use = first + 1; use != last; ++use) sets.join(first->triangle, use->triangle);
-  });
-  std::vector<char> counted(triangles.size(), 0);
-  std::uint64_t count = 0;
-  for (std::uint32_t i = 0; i < triangles.size(); ++i) {
-    if (isCollapsed(triangles[i]) || counted[sets.find(i)]) continue;
-    counted[sets.find(i)] = 1;
-    ++count;
-  }
-  return count;
-}
-
 }  // namespace
 
 RepairedMesh repair(const Mesh& mesh) {
   RepairedMesh repaired;
   MeshDiagnosis& found = repaired.found;
   repaired.mesh = weld(mesh, found.verticesMerged);
-  const std::vector<char> paired = dropDuplicates(repaired.mesh, found.duplicateTriangles);
+  std::vector<char> paired = dropDuplicates(repaired.mesh, found.duplicateTriangles);
+  openDoubleSided(repaired.mesh, paired, found);
   const std::vector<glm::uvec3>& triangles = repaired.mesh.triangles;
 
   double volume = 0.0;
@@ -208,7 +231,6 @@ RepairedMesh repair(const Mesh& mesh) {
     volume += volumeUnder(repaired.mesh, triangles[i], repaired.mesh.positions[triangles[0].x]);
     if (!isCollapsed(triangles[i]) && !paired[i]) active.push_back(i);
   }
-  found.components = countComponents(triangles);
   orientPatches(repaired.mesh, active, found);
 
   forEachEdge(edgeUses(triangles), [&](auto first, auto last) {

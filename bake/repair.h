@@ -11,7 +11,7 @@ namespace overcast {
 struct MeshDiagnosis {
   std::uint64_t verticesMerged = 0;       ///< exact duplicates of a position, merged
   std::uint64_t degenerateTriangles = 0;  ///< without area: nothing to the sign, kept for the distance
-  std::uint64_t duplicateTriangles = 0;   ///< same vertices in the same orientation, left out
+  std::uint64_t duplicateTriangles = 0;   ///< the same again, or second sides of double-sided components; left out
   std::uint64_t boundaryEdges = 0;        ///< edges whose incident triangles do not cancel (net orientation not zero)
   std::uint64_t nonManifoldEdges = 0;     ///< edges with more than two triangles
   std::uint64_t inconsistentEdges = 0;    ///< manifold edges that both triangles run along in the same direction, before reorientation
@@ -22,7 +22,8 @@ struct MeshDiagnosis {
 };
 
 /// A mesh ready for distance and sign: exactly equal positions welded, no triangle twice in the same orientation (opposite pairs stay:
-/// they cancel in the winding number, as the wall between two glued solids should), orientation consistent within each manifold patch that
+/// they cancel in the winding number, as the wall between two glued solids should; but a component of
+/// such pairs alone is a surface modelled with two sides and keeps one of them), orientation consistent within each manifold patch that
 /// was inconsistent: outward where the patch is closed, else the side that most of its area faced. Consistent patches are left as they are:
 /// a cavity keeps its meaning. Vertices and triangles keep their order; normals are dropped and parts are one run.
 struct RepairedMesh {

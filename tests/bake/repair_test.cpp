@@ -118,6 +118,16 @@ TEST(Repair, OppositePairsCancel) {
   EXPECT_NEAR(volumeOf(repaired.mesh), 1.0 / 3.0, 1e-15);
 }
 
+TEST(Repair, ADoubleSidedSolidIsASolid) {
+  const Mesh torus = torusMesh(1.0, 0.4, 20, 10);
+  Mesh mesh = joined(boxBetween(glm::dvec3(3.0), glm::dvec3(4.0)), joined(torus, insideOut(torus)));
+  const RepairedMesh repaired = repair(mesh);
+  EXPECT_TRUE(repaired.found.closed);
+  EXPECT_EQ(repaired.found.components, 2u);
+  EXPECT_EQ(repaired.found.duplicateTriangles, torus.triangles.size());
+  EXPECT_NEAR(volumeOf(repaired.mesh), 1.0 + volumeOf(torus), 1e-12);
+}
+
 TEST(Repair, AMoebiusStripStaysOpen) {
   Mesh mesh;
   constexpr std::uint32_t kCount = 20;
