@@ -7,7 +7,6 @@ namespace overcast {
 namespace {
 
 constexpr int kMaxSupersample = 8;
-constexpr Access kReadable{VK_PIPELINE_STAGE_2_ALL_TRANSFER_BIT, VK_ACCESS_2_TRANSFER_READ_BIT, VK_IMAGE_LAYOUT_GENERAL};
 
 Result<Done> checkSettings(const FrameSettings& settings) {
   if (settings.supersample < 1 || settings.supersample > kMaxSupersample)
@@ -216,7 +215,7 @@ Result<std::vector<PassTime>> renderFrame(const Device& device, FrameRenderer& r
 
 Result<Image> readDisplay(const Device& device, const FrameRenderer& renderer) {
   const GpuImage& display = renderer.targets.tonemap.display;
-  const Result<std::vector<std::byte>> texels = readImage(device, display, kReadable);
+  const Result<std::vector<std::byte>> texels = readImage(device, display, kTransferRead);
   if (!texels) return texels.error();
   Image image = imageOf(display, {"R", "G", "B"});
   image.pixels.reserve(texels.value().size() / 4 * 3);
@@ -227,7 +226,7 @@ Result<Image> readDisplay(const Device& device, const FrameRenderer& renderer) {
 
 Result<Image> readLinear(const Device& device, const FrameRenderer& renderer) {
   const GpuImage& resolved = renderer.targets.tonemap.resolved;
-  const Result<std::vector<std::byte>> texels = readImage(device, resolved, kReadable);
+  const Result<std::vector<std::byte>> texels = readImage(device, resolved, kTransferRead);
   if (!texels) return texels.error();
   Image image = imageOf(resolved, {"R", "G", "B", "sky"});
   image.pixels.resize(texels.value().size() / sizeof(float));

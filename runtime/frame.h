@@ -66,7 +66,7 @@ Result<Done> resizeFrames(const Device& device, FrameRenderer& renderer, int wid
 /// The view of the scene's camera at `time`, or of the whole scene where it has none.
 View defaultView(const RuntimeScene& scene, double time, double aspect);
 
-/// Records one frame; the picture is then in targets.tonemap.display, readable by transfers in layout GENERAL. The commands must be
+/// Records one frame; the picture is then in targets.tonemap.display, readable by transfers (kTransferRead). The commands must be
 /// submitted, in order.
 void recordFrame(VkCommandBuffer commands, FrameRenderer& renderer, const RuntimeScene& scene, double time, const View& view);
 

@@ -4,6 +4,7 @@
 #include "runtime/player/headless.h"
 #include "runtime/player/options.h"
 #include "runtime/player/report.h"
+#include "runtime/player/window.h"
 #include "runtime/scene.h"
 
 namespace overcast {
@@ -21,32 +22,46 @@ int listDevicesTo(std::FILE* out, bool asJson) {
   return static_cast<int>(ExitCode::ok);
 }
 
-/// Loads and plays on an open device; the exit code.
-int playOn(const Device& device, const PlayerOptions& options) {
-  Result<RuntimeScene> scene = loadScene(device, options.scene);
-  if (!scene) return fail(scene.error(), scene.error().file.empty() ? ExitCode::noDevice : ExitCode::unreadable);
-  for (const std::string& note : scene.value().scene.notes) fmt::print(stderr, "overcast-player: note: {}\n", note);
+std::optional<Failure> playPictures(const Device& device, const RuntimeScene& scene, const PlayerOptions& options) {
   PlayResult result;
-  const auto failure = playHeadless(device, scene.value(), options, result);
-  destroyScene(device, scene.value());
-  if (failure) return fail(failure->error, failure->code);
+  if (auto failure = playHeadless(device, scene, options, result)) return failure;
   fmt::print("{}", options.json ? json(options, result) : table(result));
   if (!options.json && !result.pictures.empty())
     fmt::print("pictures: {}{}\n", result.pictures.front(), result.pictures.size() > 1 ? " to " + result.pictures.back() : "");
-  return static_cast<int>(ExitCode::ok);
+  return std::nullopt;
 }
 
-int run(const PlayerOptions& options) {
-  if (options.listDevices) return listDevicesTo(stdout, options.json);
-  if (!options.headless) return fail({"", "", "there is no window yet: use --headless"}, ExitCode::usage);
-  Result<Device> device = openDevice({options.device, options.validate, {}, false});
+/// Loads and plays on an open device; the exit code.
+int playOn(const Device& device, const PlayerOptions& options, const Window& window) {
+  Result<RuntimeScene> scene = loadScene(device, options.scene);
+  if (!scene) return fail(scene.error(), scene.error().file.empty() ? ExitCode::noDevice : ExitCode::unreadable);
+  for (const std::string& note : scene.value().scene.notes) fmt::print(stderr, "overcast-player: note: {}\n", note);
+  const auto failure =
+      options.headless ? playPictures(device, scene.value(), options) : playInWindow(device, scene.value(), options, window);
+  destroyScene(device, scene.value());
+  return failure ? fail(failure->error, failure->code) : static_cast<int>(ExitCode::ok);
+}
+
+/// Plays on the device that the options name; the exit code.
+int play(const PlayerOptions& options, const Window& window) {
+  Result<Device> device = openDevice({options.device, options.validate, window.instanceExtensions, !options.headless});
   if (!device) return fail(device.error(), ExitCode::noDevice);
-  int code = playOn(device.value(), options);
+  int code = playOn(device.value(), options, window);
   closeDevice(device.value());
   if (const std::uint64_t messages = validationMessages(device.value())) {
     for (const std::string& text : device.value().validation->texts) fmt::print(stderr, "{}\n", text);
     code = fail({"", "", fmt::format("{} validation messages", messages)}, ExitCode::internal);
   }
+  return code;
+}
+
+int run(const PlayerOptions& options) {
+  if (options.listDevices) return listDevicesTo(stdout, options.json);
+  if (options.headless) return play(options, {});
+  Result<Window> window = openWindow(options);
+  if (!window) return fail(window.error(), ExitCode::usage);
+  const int code = play(options, window.value());
+  closeWindow(window.value());
   return code;
 }
 

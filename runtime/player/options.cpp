@@ -69,7 +69,8 @@ void check(const PlayerOptions& options) {
 
 constexpr const char* kFooter =
     "Exit codes: 0 done, 1 internal error (or validation messages), 2 usage, 3 unreadable scene, 4 cannot write, 5 no usable device.\n"
-    "Without --camera the scene's own camera is taken, or one that shows the whole scene.";
+    "Without --camera the scene's own camera is taken, or one that shows the whole scene.\n"
+    "Without --headless a window opens: left mouse button turns, right pans, wheel zooms, space pauses, F12 saves a picture.";
 
 }  // namespace
 

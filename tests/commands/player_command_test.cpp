@@ -133,6 +133,14 @@ TEST_F(PlayerCommand, EndsUnwritablePicturesWithFour) {
   EXPECT_THAT(result.output, HasSubstr("scene.gltf: cannot create the folder"));
 }
 
+TEST_F(PlayerCommand, SaysThatAWindowNeedsADisplay) {
+  unsetenv("DISPLAY");
+  unsetenv("WAYLAND_DISPLAY");
+  const ShellResult result = play("scene.gltf");
+  EXPECT_EQ(result.exitCode, 2);
+  EXPECT_THAT(result.output, HasSubstr("--headless"));
+}
+
 TEST_F(PlayerCommand, EndsWithoutADeviceWithFive) {
   driver = "/nonexistent.json";
   EXPECT_EQ(play("scene.gltf --headless").exitCode, 5);

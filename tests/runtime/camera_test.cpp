@@ -4,7 +4,9 @@
 
 #include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>
+
 #include <glm/ext/matrix_transform.hpp>
+#include "runtime/orbit.h"
 
 namespace overcast {
 namespace {
@@ -63,6 +65,32 @@ TEST(Camera, OfTheSceneSitsWhereItsNodeIs) {
   EXPECT_GT(project(*view, 1.0, ahead).z, 0.0);
   scene.nodes[1].camera = -1;
   EXPECT_FALSE(sceneView(scene, {dmat4(1.0), placed}).has_value());
+}
+
+RC_GTEST_PROP(Orbit, StartsAtTheViewItIsMadeFrom, ()) {
+  const auto number = [] { return *rc::gen::inRange(-1000, 1000) * 0.01; };
+  const dvec3 target(number(), number(), number());
+  const dvec3 from = target + dvec3(number(), 0.3 * number(), number());
+  RC_PRE(std::hypot(from.x - target.x, from.z - target.z) > 0.5);
+  const View view = lookAt(from, target, {0, 1, 0}, 0.7);
+  const Orbit orbit = orbitLike(view, target, 10.0);
+  const View again = viewOf(orbit);
+  for (int column = 0; column < 4; ++column) RC_ASSERT(glm::length(again.worldFromView[column] - view.worldFromView[column]) < 1e-9);
+  RC_ASSERT(glm::length(orbit.target - target) < 1e-9);
+}
+
+TEST(Orbit, TurnsPansAndZooms) {
+  const View view = lookAt({0, 0, 5}, {0, 0, 0}, {0, 1, 0}, 0.7);
+  Orbit orbit = orbitLike(view, {0, 0, 0}, 3.0);
+  turn(orbit, {100.0, 0.0}, 200.0);  // half the height to the right: a quarter turn
+  EXPECT_LT(glm::length(eye(viewOf(orbit)) - dvec3(-5, 0, 0)), 1e-9);
+  turn(orbit, {0.0, 1e6}, 200.0);
+  EXPECT_GT(eye(viewOf(orbit)).y, 4.99) << "straight down is as far as it goes";
+  Orbit panned = orbitLike(view, {0, 0, 0}, 3.0);
+  pan(panned, {0.0, 100.0}, 200.0);
+  EXPECT_LT(glm::length(panned.target - dvec3(0, 5.0 * std::tan(0.35), 0)), 1e-9) << "what was in the middle is at the lower edge";
+  zoom(panned, 1.0);
+  EXPECT_LT(panned.distance, 5.0);
 }
 
 }  // namespace

@@ -95,10 +95,8 @@ TEST_F(TonemapOnDevice, EqualsTheFormulasInDouble) {
   seen.skyColour = {0.7f, 0.9f, 1.1f};
   seen.exposure = 1.3f;
   ASSERT_TRUE(runCommands(device, [&](VkCommandBuffer commands) { recordTonemap(commands, pass.value(), seen); }).ok());
-  Access general = kTransferRead;
-  general.layout = VK_IMAGE_LAYOUT_GENERAL;
-  const auto linear = readImage(device, pass.value().resolved, general).value();
-  const auto display = readImage(device, pass.value().display, general).value();
+  const auto linear = readImage(device, pass.value().resolved, kTransferRead).value();
+  const auto display = readImage(device, pass.value().display, kTransferRead).value();
 
   const shared::TonemapPush constants = tonemapPush(seen, kWide, kHigh, kSide);
   for (int i = 0; i < kWide * kHigh; ++i) {

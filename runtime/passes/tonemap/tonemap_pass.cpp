@@ -10,7 +10,6 @@ using shared::TonemapPush;
 static_assert(sizeof(TonemapPush) == 96 && offsetof(TonemapPush, sky) == 48 && offsetof(TonemapPush, size) == 80);
 
 constexpr std::uint32_t kGroupSide = 8;
-constexpr Access kResult{VK_PIPELINE_STAGE_2_ALL_TRANSFER_BIT, VK_ACCESS_2_TRANSFER_READ_BIT, VK_IMAGE_LAYOUT_GENERAL};
 
 Result<GpuImage> makeResult(const Device& device, VkExtent3D extent, VkFormat format) {
   ImageSettings settings;
@@ -76,13 +75,13 @@ void recordTonemap(VkCommandBuffer commands, const TonemapPass& pass, const Tone
   const auto width = static_cast<int>(pass.display.extent.width);
   const auto height = static_cast<int>(pass.display.extent.height);
   // The images are written whole, so what they held before may be lost; but its readers must be done.
-  Access before = kResult;
+  Access before = kTransferRead;
   before.layout = VK_IMAGE_LAYOUT_UNDEFINED;
   for (const GpuImage* image : {&pass.resolved, &pass.display}) transition(commands, *image, before, kComputeWrite);
   bind(commands, pass.pipeline, pass.set);
   push(commands, pass.pipeline, tonemapPush(view, width, height, pass.samplesPerSide));
   vkCmdDispatch(commands, groups(pass.display.extent.width, kGroupSide), groups(pass.display.extent.height, kGroupSide), 1);
-  for (const GpuImage* image : {&pass.resolved, &pass.display}) transition(commands, *image, kComputeWrite, kResult);
+  for (const GpuImage* image : {&pass.resolved, &pass.display}) transition(commands, *image, kComputeWrite, kTransferRead);
 }
 
 shared::TonemapPush tonemapPush(const TonemapView& view, int width, int height, int samplesPerSide) {

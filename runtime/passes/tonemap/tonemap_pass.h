@@ -15,8 +15,8 @@ struct TonemapPass {
   Pipeline pipeline;
   DescriptorSet set;
   VkSampler sampler = VK_NULL_HANDLE;
-  GpuImage resolved;  ///< RGBA32F: rgb linear radiance with the backdrop, a sky visibility (1 on the backdrop); layout GENERAL
-  GpuImage display;   ///< RGBA8: display-encoded sRGB, opaque; layout GENERAL
+  GpuImage resolved;  ///< RGBA32F: rgb linear radiance with the backdrop, a sky visibility (1 on the backdrop)
+  GpuImage display;   ///< RGBA8: display-encoded sRGB, opaque
   int samplesPerSide = 1;
 };
 
@@ -33,8 +33,8 @@ struct TonemapView {
 Result<TonemapPass> makeTonemapPass(const Device& device, const GpuImage& light, int samplesPerSide);
 void destroyTonemapPass(const Device& device, TonemapPass& pass);
 
-/// Reads what earlier commands made visible to sampling in compute shaders. Afterwards both images may be copied from (transfer) in layout
-/// GENERAL.
+/// Reads what earlier commands made visible to sampling in compute shaders. Afterwards both images may be copied from
+/// (kTransferRead).
 void recordTonemap(VkCommandBuffer commands, const TonemapPass& pass, const TonemapView& view);
 
 /// The push constants of a view, for a picture of `width` x `height`.
