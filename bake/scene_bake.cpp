@@ -11,6 +11,7 @@
 #include <system_error>
 
 #include <tbb/parallel_for.h>
+#include <tbb/task_arena.h>
 
 #include "formats/files.h"
 
@@ -207,8 +208,10 @@ void bakeMeshes(SceneBake& bake, const VolumeSettings& settings, const Progress&
   tbb::parallel_for(std::size_t{0}, jobs.size(), [&](std::size_t job) {
     MeshBake& mesh = bake.meshes[jobs[job]];
     const auto start = std::chrono::steady_clock::now();
-    auto baked =
-        bakeVolume(bake.scene.meshes[static_cast<std::size_t>(mesh.mesh)], settings, [&](double share) { return report(job, share); });
+    // Isolated: a mesh that waits for its own tiles must not start on another mesh, or its seconds would count that one's too.
+    auto baked = tbb::this_task_arena::isolate([&] {
+      return bakeVolume(bake.scene.meshes[static_cast<std::size_t>(mesh.mesh)], settings, [&](double share) { return report(job, share); });
+    });
     mesh.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     if (baked.ok()) {
       mesh.volume = std::move(baked).value();
