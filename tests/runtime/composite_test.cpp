@@ -118,9 +118,12 @@ TEST(SingularValues, AgreeWithBisectionOnGeneralMatrices) {
 }
 
 TEST(CompositeFormulas, BrickRadiusReachesTheOutermostVoxelCentres) {
-  const double half = 0.5 * (shared::kBrickSide - 1);
-  EXPECT_NEAR(shared::kBrickRadius, half * std::sqrt(3.0), 1e-6);
-  EXPECT_GE(shared::kBrickRadius, half * std::sqrt(3.0));
+  for (const auto& [radius, side] :
+       {std::pair{shared::kBrickRadius, shared::kBrickSide}, std::pair{shared::kOctantRadius, shared::kOctantSide}}) {
+    const double exact = 0.5 * (side - 1) * std::sqrt(3.0);
+    EXPECT_NEAR(radius, exact, 1e-6);
+    EXPECT_GE(radius, exact);
+  }
 }
 
 TEST(GlobalGrid, IsCubicInMultiplesOfEightAroundTheBox) {
@@ -195,10 +198,10 @@ TEST_F(Composite, BricksWithMoreObjectsThanTheirListHoldsStayExact) {
   load();
   std::mt19937 random(11);
   const GlobalGrid grid = cubeGrid(32, 2.0);
-  std::vector<Placement> placements(120);
+  std::vector<Placement> placements(180);
   for (Placement& p : placements) p = {random() % volumes.size(), randomTransform(random, 0.02)};
-  pass(grid, 120);
-  pass(grid, 120, CompositeMethod::bruteForce);
+  pass(grid, 180);
+  pass(grid, 180, CompositeMethod::bruteForce);
   for (int frame = 0; frame < 2; ++frame) {
     run(passes[0], placements);
     run(passes[1], placements);

@@ -16,12 +16,14 @@
 OVERCAST_SHARED_BEGIN
 
 const int kBrickSide = 8;                 ///< voxels along the side of a brick
-const int kBrickCapacity = 64;            ///< objects a brick's list can hold
+const int kOctantSide = 4;                ///< of one of the 8 octants of a brick
+const int kBrickCapacity = 128;           ///< objects a brick's list can hold: the bits of one uvec4
 const uint kBrickOverflow = 0xffffffffu;  ///< count of a brick whose list did not fit: it evaluates every object
 const float kFarField = 65504.0f;         ///< distance, in voxels, where there is no object; the largest half float
 
-/// Half diagonal, in voxels, of the voxel centres of a brick about the brick's centre: 3.5 sqrt(3), rounded up.
+/// Half diagonals, in voxels, of the voxel centres of a brick and of an octant about its centre: 3.5 and 1.5 sqrt(3), rounded up.
 const float kBrickRadius = 6.0621783f;
+const float kOctantRadius = 2.5980765f;
 
 /// Allowance of the culling margin for hardware that rounds a filtered value to a half float, twice: at the brick's centre and at the
 /// voxel.
@@ -75,10 +77,10 @@ OVERCAST_INLINE float extendedDistance(float phi, float gap) {
   return gap > 0.0f ? (phi < 0.0f ? inside : outside) : phi;
 }
 
-/// How far any value of the object within a brick can be from `value`, taken at the brick's centre: the Lipschitz bound over the brick and
-/// what two evaluations may be off. Keep i only if value_i - margin_i <= min over j of (value_j + margin_j).
-OVERCAST_INLINE float cullMargin(CompositeObject object, float value) {
-  float reach = object.lastSample.w * kBrickRadius;
+/// How far any value of the object within `radius` voxels can be from `value`, taken at the centre: the Lipschitz bound over the radius
+/// and what two evaluations may be off. Keep i only if value_i - margin_i <= min over j of (value_j + margin_j).
+OVERCAST_INLINE float cullMargin(CompositeObject object, float value, float radius) {
+  float reach = object.lastSample.w * radius;
   return reach + object.slack + kRelativeSlack * (abs(value) + reach);
 }
 

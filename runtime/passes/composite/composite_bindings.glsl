@@ -7,19 +7,26 @@ layout(push_constant) uniform Push {
 layout(set = 0, binding = 0, std430) readonly buffer Objects {
   CompositeObject objects[];
 };
+// Objects in each brick's list, or kBrickOverflow.
 layout(set = 0, binding = 1, std430) buffer Counts {
   uint counts[];
-};  // objects in each brick's list, or kBrickOverflow
+};
+// kBrickCapacity for each brick: the object, and bits of a lower bound while the list is built.
 layout(set = 0, binding = 2, std430) buffer Lists {
   uvec2 lists[];
-};  // kBrickCapacity each: object, bits of its lower bound
+};
+// groups: an indirect dispatch; then the bricks to composite.
 layout(set = 0, binding = 3, std430) buffer Active {
   uvec4 groups;
   uint activeBricks[];
-};  // groups: an indirect dispatch
+};
 layout(set = 0, binding = 4) uniform sampler3D atlas;
+// 8 for each brick, one for each octant (x lowest): which entries of the list can be the nearest in it.
+layout(set = 0, binding = 6, std430) buffer Masks {
+  uvec4 masks[];
+};
 
-// Signed distance of the object at p (global voxels from the centre of the volume), in global voxels.
+// Signed distance in global voxels of the object whose local sample coordinates are `local` (beyond its box too).
 float objectDistance(CompositeObject object, vec3 local) {
   vec3 closest = closestSample(object, local);
   precise float phi = textureLod(atlas, (vec3(object.firstTexel) + closest) * vec3(push.atlasTexel), 0.0f).r * object.axisScale.w;

@@ -45,9 +45,10 @@ Result<Done> makeBuffers(const Device& device, CompositePass& pass) {
     VkBufferUsageFlags usage;
   };
   const VkDeviceSize objectBytes = std::max(1u, pass.objectCapacity) * sizeof(shared::CompositeObject);
-  const std::array<Wanted, 4> all{{{pass.objects, objectBytes, 0},
+  const std::array<Wanted, 5> all{{{pass.objects, objectBytes, 0},
                                    {pass.counts, count * sizeof(std::uint32_t), 0},
                                    {pass.lists, listBytes, 0},
+                                   {pass.masks, count * 8 * 4 * sizeof(std::uint32_t), 0},
                                    {pass.active, sizeof kNoGroups + count * sizeof(std::uint32_t), VK_BUFFER_USAGE_INDIRECT_BUFFER_BIT}}};
   for (const Wanted& wanted : all) {
     Result<GpuBuffer> made = makeBuffer(device, wanted.bytes, VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | wanted.usage, MemoryUse::device);
@@ -73,13 +74,15 @@ Result<Done> makeVolume(const Device& device, CompositePass& pass) {
   return runCommands(device, [&](VkCommandBuffer commands) {
     transition(commands, pass.volume, kNothingYet, kComputeWrite);
     vkCmdFillBuffer(commands, pass.counts.buffer, 0, VK_WHOLE_SIZE, 0);
+    vkCmdFillBuffer(commands, pass.masks.buffer, 0, VK_WHOLE_SIZE, 0);
   });
 }
 
 Result<Done> makePipelines(const Device& device, const Atlas& atlas, CompositePass& pass) {
   const std::vector<Binding> bindings{{0, VK_DESCRIPTOR_TYPE_STORAGE_BUFFER},         {1, VK_DESCRIPTOR_TYPE_STORAGE_BUFFER},
                                       {2, VK_DESCRIPTOR_TYPE_STORAGE_BUFFER},         {3, VK_DESCRIPTOR_TYPE_STORAGE_BUFFER},
-                                      {4, VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER}, {5, VK_DESCRIPTOR_TYPE_STORAGE_IMAGE}};
+                                      {4, VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER}, {5, VK_DESCRIPTOR_TYPE_STORAGE_IMAGE},
+                                      {6, VK_DESCRIPTOR_TYPE_STORAGE_BUFFER}};
   Shader composite{"runtime/passes/composite/composite.comp.glsl", {}};
   if (pass.method == CompositeMethod::bruteForce) composite.defines.push_back({"OVERCAST_BRUTE_FORCE", "1"});
   for (const auto& [pipeline, shader] :
@@ -98,6 +101,7 @@ Result<Done> makePipelines(const Device& device, const Atlas& atlas, CompositePa
   writeBuffer(device, pass.set, 3, pass.active);
   writeSampledImage(device, pass.set, 4, atlas.image.view, atlas.sampler);
   writeStorageImage(device, pass.set, 5, pass.volume.mipViews[0]);
+  writeBuffer(device, pass.set, 6, pass.masks);
   return Done{};
 }
 
@@ -149,7 +153,7 @@ void destroyCompositePass(const Device& device, CompositePass& pass) {
   destroyPipeline(device, pass.cull);
   destroyPipeline(device, pass.composite);
   destroyImage(device, pass.volume);
-  for (GpuBuffer* buffer : {&pass.objects, &pass.counts, &pass.lists, &pass.active}) destroyBuffer(device, *buffer);
+  for (GpuBuffer* buffer : {&pass.objects, &pass.counts, &pass.lists, &pass.masks, &pass.active}) destroyBuffer(device, *buffer);
   pass = {};
 }
 

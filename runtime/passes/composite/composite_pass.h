@@ -33,6 +33,7 @@ struct CompositePass {
   GpuBuffer objects;
   GpuBuffer counts;
   GpuBuffer lists;
+  GpuBuffer masks;
   GpuBuffer active;
   glm::vec3 atlasTexel{1.0f};
   bool fresh = true;                              ///< nothing composited yet

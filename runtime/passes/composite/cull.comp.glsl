@@ -1,11 +1,13 @@
-// One thread per brick: the list of the objects that can be the nearest somewhere in the brick (DESIGN 5.2), and whether to composite the
-// brick again. Every omission is justified by bounds alone, so any subset this leaves gives the same minimum to the last bit.
+// One thread per brick: the list of the objects that can be the nearest somewhere in the brick (DESIGN 5.2), for each octant which of them
+// can be the nearest there, and whether to composite the brick again. Every omission is justified by bounds alone, so that whatever is
+// left has the same minimum to the last bit.
 #version 460
 #include "runtime/passes/composite/composite_bindings.glsl"
 
 layout(local_size_x = 64) in;
 
-uint first;  // of this brick's list
+uint brick;
+uint first;  // of the brick's list
 float best;  // no object of the final list can be above this everywhere
 
 // Leaves out what the current bound rules out, in place; the new length.
@@ -20,10 +22,13 @@ uint compact(uint length) {
   return kept;
 }
 
+// Whether an object moved that is the nearest, or may be, somewhere in the brick.
 bool listHoldsMoved(uint count) {
   if (count == kBrickOverflow) return true;
+  uvec4 used = uvec4(0u);
+  for (uint octant = 0u; octant < 8u; ++octant) used |= masks[8u * brick + octant];
   for (uint n = 0u; n < count; ++n)
-    if (objects[lists[first + n].x].moved != 0u) return true;
+    if ((used[n / 32u] >> (n % 32u) & 1u) != 0u && objects[lists[first + n].x].moved != 0u) return true;
   return false;
 }
 
@@ -35,12 +40,12 @@ uint buildList(vec3 centre) {
     CompositeObject object = objects[i];
     if (object.present == 0u) continue;
     vec3 local = localSample(object, centre);
+    vec3 closest = closestSample(object, local);
     // A bound that needs no texture: no point is nearer than the box, give or take what its border holds.
-    float atLeast = gapBeyondBox(object, local, closestSample(object, local)) + object.firstTexel.w;
-    bool beyond = local != closestSample(object, local);
-    if (beyond && atLeast - cullMargin(object, atLeast) > best) continue;
+    float atLeast = gapBeyondBox(object, local, closest) + object.firstTexel.w;
+    if (local != closest && atLeast - cullMargin(object, atLeast, kBrickRadius) > best) continue;
     float value = objectDistance(object, local);
-    float margin = cullMargin(object, value);
+    float margin = cullMargin(object, value, kBrickRadius);
     best = min(best, value + margin);
     float lower = value - margin;
     if (lower > best) continue;
@@ -52,12 +57,34 @@ uint buildList(vec3 centre) {
   return compact(length);
 }
 
+// Which of the list's entries can be the nearest in the octant about `centre`.
+uvec4 octantMask(vec3 centre, uint count) {
+  best = 3.0e38f;
+  for (uint n = 0u; n < count; ++n) {
+    CompositeObject object = objects[lists[first + n].x];
+    float value = objectDistance(object, localSample(object, centre));
+    float margin = cullMargin(object, value, kOctantRadius);
+    best = min(best, value + margin);
+    lists[first + n].y = floatBitsToUint(value - margin);
+  }
+  uvec4 mask = uvec4(0u);
+  for (uint n = 0u; n < count; ++n)
+    if (!(uintBitsToFloat(lists[first + n].y) > best)) mask[n / 32u] |= 1u << (n % 32u);
+  return mask;
+}
+
 void main() {
-  uint brick = gl_GlobalInvocationID.x;
+  brick = gl_GlobalInvocationID.x;
   if (brick >= uint(push.bricks.x * push.bricks.y * push.bricks.z)) return;
   first = brick * uint(kBrickCapacity);
   bool again = push.everything != 0u || listHoldsMoved(counts[brick]);
-  uint count = buildList(brickCorner(brickPosition(brick)) + 0.5f * float(kBrickSide));
+  vec3 corner = brickCorner(brickPosition(brick));
+  uint count = buildList(corner + 0.5f * float(kBrickSide));
   counts[brick] = count;
+  if (count != kBrickOverflow)
+    for (uint octant = 0u; octant < 8u; ++octant) {
+      vec3 side = vec3(octant & 1u, octant >> 1 & 1u, octant >> 2);
+      masks[8u * brick + octant] = octantMask(corner + float(kOctantSide) * (side + 0.5f), count);
+    }
   if (again || listHoldsMoved(count)) activeBricks[atomicAdd(groups.x, 1u)] = brick;
 }
