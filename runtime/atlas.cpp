@@ -6,6 +6,7 @@
 #include <cstring>
 #include <numeric>
 #include <optional>
+#include <tuple>
 
 #include <fmt/format.h>
 #include <glm/common.hpp>
@@ -114,6 +115,12 @@ AtlasLimits limitsOf(const Device& device, AtlasBits bits) {
   return limits;
 }
 
+bool filtersLinearly(const Device& device, VkFormat format) {
+  VkFormatProperties properties{};
+  vkGetPhysicalDeviceFormatProperties(device.physical, format, &properties);
+  return properties.optimalTilingFeatures & VK_FORMAT_FEATURE_SAMPLED_IMAGE_FILTER_LINEAR_BIT;
+}
+
 }  // namespace
 
 Result<AtlasLayout> packAtlas(std::span<const glm::ivec3> sizes, const AtlasLimits& limits) {
@@ -149,6 +156,9 @@ Result<AtlasLayout> packAtlas(std::span<const glm::ivec3> sizes, const AtlasLimi
 }
 
 Result<Atlas> makeAtlas(const Device& device, std::span<const Volume> volumes, AtlasBits bits) {
+  const VkFormat format = bits == AtlasBits::half ? VK_FORMAT_R16_SFLOAT : VK_FORMAT_R32_SFLOAT;
+  if (!filtersLinearly(device, format))
+    return Error{"", "volume atlas", fmt::format("this device does not filter {}-bit floats", bits == AtlasBits::half ? 16 : 32)};
   std::vector<glm::ivec3> sizes;
   for (const Volume& volume : volumes) sizes.push_back(volume.size);
   Result<AtlasLayout> packed = packAtlas(sizes, limitsOf(device, bits));
@@ -167,7 +177,7 @@ Result<Atlas> makeAtlas(const Device& device, std::span<const Volume> volumes, A
   settings.extent = {static_cast<std::uint32_t>(layout.extent.x), static_cast<std::uint32_t>(layout.extent.y),
                      static_cast<std::uint32_t>(layout.extent.z)};
   settings.volume = true;
-  settings.format = bits == AtlasBits::half ? VK_FORMAT_R16_SFLOAT : VK_FORMAT_R32_SFLOAT;
+  settings.format = format;
   settings.usage = VK_IMAGE_USAGE_SAMPLED_BIT;
   Result<GpuImage> image = makeImage(device, settings);
   if (!image) return image.error();

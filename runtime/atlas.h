@@ -53,7 +53,8 @@ struct Atlas {
   std::vector<AtlasEntry> entries;     ///< one for each volume, in the order given
 };
 
-/// Packs and uploads; waits. Values beyond the range of half floats are clamped to it. An Error when the device cannot hold the atlas.
+/// Packs and uploads; waits. Values beyond the range of half floats are clamped to it. An Error when the device cannot hold
+/// the atlas or does not filter its format.
 Result<Atlas> makeAtlas(const Device& device, std::span<const Volume> volumes, AtlasBits bits = AtlasBits::half);
 void destroyAtlas(const Device& device, Atlas& atlas);
 
