@@ -111,8 +111,13 @@ namespace {
 // A scanned mesh by name, or a shape of ours in its place.
 Mesh scannedMesh(const std::filesystem::path& folder, const char* name, double longestSide, std::vector<std::string>& notes) {
   auto file = readMesh(folder / (std::string(name) + ".off"));
-  Mesh mesh = file.ok() ? std::move(file).value().mesh : makeTorusKnot(0.5, 0.12, 2, 3, 240, 24);
-  if (!file.ok()) notes.push_back(message(file.error()) + ": a torus knot takes its place");
+  Mesh mesh;
+  if (file.ok()) {
+    mesh = std::move(file).value().mesh;
+  } else {
+    notes.push_back(message(file.error()) + ": a torus knot takes its place");
+    mesh = makeTorusKnot(0.5, 0.12, 2, 3, 240, 24);
+  }
   fitToSize(mesh, longestSide);
   mesh.name = name;
   return mesh;
