@@ -14,7 +14,7 @@ namespace {
 
 constexpr int kMaxLines = 500;
 constexpr std::array<std::string_view, 5> kRooms = {"formats", "bake", "runtime", "data", "tests"};
-constexpr std::array<std::string_view, 7> kExtensions = {".cpp", ".h", ".glsl", ".comp", ".vert", ".frag", ".geom"};
+constexpr std::array<std::string_view, 8> kExtensions = {".cpp", ".h", ".inl", ".glsl", ".comp", ".vert", ".frag", ".geom"};
 
 // What a room may include from the tree: prefixes of paths.
 struct RoomRule {
