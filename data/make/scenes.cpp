@@ -23,9 +23,9 @@ void addGround(Scene& scene, double width, double depth, int material) {
 // seam; each pair ends a centimetre apart where both are seen.
 void addRoom(Scene& scene) {
   const double t = 0.15, inset = 0.01;
-  const int white = addMaterial(scene, "white", {0.86, 0.85, 0.82});
-  const int red = addMaterial(scene, "red", {0.80, 0.22, 0.18});
-  const int green = addMaterial(scene, "green", {0.30, 0.62, 0.26});
+  const int white = addMaterial(scene, "white", {0.84, 0.79, 0.72});
+  const int red = addMaterial(scene, "red", {0.78, 0.30, 0.24});
+  const int green = addMaterial(scene, "green", {0.40, 0.60, 0.34});
   const int level = addMesh(scene, makeBox({2.0 + 2.0 * t, t, 2.0 + t}), white);
   addNode(scene, "floor", level, {{0.0, -0.5 * t, -0.5 * t}});
   addNode(scene, "ceiling", level, {{0.0, 2.0 + 0.5 * t, -0.5 * t}});
@@ -48,7 +48,7 @@ Scene named(const char* name) {
 
 Scene makeSphereOnPlane() {
   Scene scene = named("sphere_on_plane");
-  addGround(scene, 4.0, 4.0, addMaterial(scene, "plaster", {0.82, 0.80, 0.76}));
+  addGround(scene, 4.0, 4.0, addMaterial(scene, "plaster", {0.80, 0.74, 0.66}));
   const int sphere = addMesh(scene, makeIcosphere(0.5, 4), addMaterial(scene, "clay", {0.80, 0.52, 0.38}));
   addNode(scene, "sphere", sphere, {{0.0, 0.5, 0.0}});
   addCamera(scene, {0.0, 1.5, 3.6}, {0.0, 0.35, 0.0}, 36.0);
@@ -75,9 +75,9 @@ Scene makeCornellStar() {
 
 Scene makeClutter() {
   Scene scene = named("clutter");
-  addGround(scene, 4.4, 3.6, addMaterial(scene, "paper", {0.84, 0.82, 0.78}));
-  const int clay = addMaterial(scene, "clay", {0.78, 0.45, 0.32}), sage = addMaterial(scene, "sage", {0.55, 0.65, 0.48});
-  const int sand = addMaterial(scene, "sand", {0.86, 0.74, 0.52}), slate = addMaterial(scene, "slate", {0.42, 0.50, 0.60});
+  addGround(scene, 4.4, 3.6, addMaterial(scene, "paper", {0.80, 0.74, 0.66}));
+  const int clay = addMaterial(scene, "clay", {0.78, 0.45, 0.32}), sage = addMaterial(scene, "sage", {0.58, 0.64, 0.48});
+  const int sand = addMaterial(scene, "sand", {0.86, 0.74, 0.52}), slate = addMaterial(scene, "slate", {0.46, 0.53, 0.60});
   const int bone = addMaterial(scene, "bone", {0.90, 0.87, 0.80});
   const int ball = addMesh(scene, makeIcosphere(0.32, 3), clay), smallBall = addMesh(scene, makeIcosphere(0.16, 3), sand);
   const int cube = addMesh(scene, makeBox(glm::dvec3(0.5)), slate), plank = addMesh(scene, makeBox({1.1, 0.12, 0.34}), sage);
@@ -95,7 +95,7 @@ Scene makeClutter() {
   standNode(scene, "ring_on_plank", smallRing, 1.05, 0.05, turned(0.0, kUp), 0.12);
   const int wheel = standNode(scene, "wheel", ring, -1.05, 0.55, turned(70.0, kUp) * turned(90.0, {1, 0, 0}));
   const int runner = standNode(scene, "runner", smallBall, 0.15, 1.25);
-  const int tumbler = addNode(scene, "tumbler", smallRing, {{0.07, 1.45, -0.85}, turned(35.0, {1, 0, 0})});
+  const int tumbler = addNode(scene, "tumbler", smallRing, {{-0.42, 0.85, -0.20}, turned(35.0, {1, 0, 0})});
   const int hover = addNode(scene, "hover", smallCone, {{1.05, 0.55, 0.05}});
   spin(scene, top, kUp, 90.0);
   spin(scene, wheel, kUp, 180.0);
@@ -134,10 +134,10 @@ glm::dquat upright(const glm::dvec3& up) {
 
 Scene makeDefault(const std::filesystem::path& folder, std::vector<std::string>& notes) {
   Scene scene = named("default");
-  addGround(scene, 4.6, 3.4, addMaterial(scene, "paper", {0.84, 0.82, 0.78}));
-  const int grey = addMaterial(scene, "elephant", {0.62, 0.62, 0.66}), bone = addMaterial(scene, "bunny", {0.90, 0.86, 0.78});
-  const int jade = addMaterial(scene, "armadillo", {0.50, 0.66, 0.52}), clay = addMaterial(scene, "clay", {0.80, 0.46, 0.34});
-  const int sand = addMaterial(scene, "sand", {0.88, 0.74, 0.50}), slate = addMaterial(scene, "slate", {0.42, 0.52, 0.64});
+  addGround(scene, 4.6, 3.4, addMaterial(scene, "paper", {0.80, 0.74, 0.66}));
+  const int grey = addMaterial(scene, "elephant", {0.64, 0.63, 0.64}), bone = addMaterial(scene, "bunny", {0.90, 0.86, 0.78});
+  const int jade = addMaterial(scene, "armadillo", {0.58, 0.66, 0.52}), clay = addMaterial(scene, "clay", {0.80, 0.46, 0.34});
+  const int sand = addMaterial(scene, "sand", {0.88, 0.74, 0.50}), slate = addMaterial(scene, "slate", {0.46, 0.53, 0.60});
   const int elephant = addMesh(scene, scannedMesh(folder, kScannedMeshes[0], 1.45, notes), grey);
   const int bunny = addMesh(scene, scannedMesh(folder, kScannedMeshes[1], 1.05, notes), bone);
   const int armadillo = addMesh(scene, scannedMesh(folder, kScannedMeshes[2], 1.35, notes), jade);
@@ -147,7 +147,7 @@ Scene makeDefault(const std::filesystem::path& folder, std::vector<std::string>&
   const int turning = standNode(scene, "bunny", bunny, 0.05, 0.35, turned(15.0, kUp));
   standNode(scene, "armadillo", armadillo, 1.25, -0.45, turned(160.0, kUp));
   const int knot = addMesh(scene, makeTorusKnot(0.34, 0.075, 2, 3, 240, 20), clay);
-  const int floating = addNode(scene, "knot", knot, {{0.10, 0.62, -1.05}, turned(0.0, kUp)});
+  const int floating = addNode(scene, "knot", knot, {{0.10, 0.66, -1.05}});
   standNode(scene, "pedestal", addMesh(scene, makeCylinder(0.30, 0.22, 64), slate), 0.10, -1.05);
   standNode(scene, "ring", addMesh(scene, makeTorus(0.24, 0.085, 64, 24), sand), 1.25, 0.85);
   standNode(scene, "cube", addMesh(scene, makeBox(glm::dvec3(0.36)), slate), -0.95, 0.95, turned(30.0, kUp));
@@ -155,7 +155,7 @@ Scene makeDefault(const std::filesystem::path& folder, std::vector<std::string>&
   sway(scene, turning, kUp, 18.0);
   spin(scene, floating, kUp, 360.0);
   orbit(scene, ball, {0.05, 0.12, 0.35}, 3, 0.18);
-  addCamera(scene, {0.35, 2.0, 5.0}, {0.02, 0.45, -0.05}, 33.0);
+  addCamera(scene, {0.45, 2.75, 5.1}, {0.03, 0.40, -0.02}, 31.0);
   return scene;
 }
 

@@ -107,7 +107,7 @@ std::optional<std::string> forbidden(std::string_view file, std::string_view inc
 
 // C++ and GLSL read the headers and shaders of a pass: those may reach other passes and formats/shared, nothing else of the tree.
 std::optional<std::string> forbiddenInShader(std::string_view file, std::string_view included) {
-  if (file.ends_with(".cpp") || file.ends_with(".h")) return std::nullopt;
+  if (file.ends_with(".cpp") || file.ends_with(".h") || file.ends_with(".inl")) return std::nullopt;
   if (!inTree(included) || included.starts_with("runtime/") || included.starts_with("formats/shared/")) return std::nullopt;
   return "shaders may include runtime/ and formats/shared/ only";
 }
