@@ -25,7 +25,7 @@ Lattice snap(const Mesh& mesh, const Grid& grid);
 /// One more point of the grid's box or the mesh's in units of `lattice`.
 glm::ivec3 snapPoint(const Lattice& lattice, const Grid& grid, const glm::dvec3& point);
 
-__extension__ typedef __int128 Int128;
+__extension__ typedef __int128 Int128;  // NOLINT(modernize-use-using): __extension__ takes no using
 
 /// Twice the signed area of (a, b, c) seen along -x, in the plane (y, z): the x component of (b - a) x (c - a).
 inline std::int64_t orientation(const glm::ivec3& a, const glm::ivec3& b, const glm::ivec3& c) {

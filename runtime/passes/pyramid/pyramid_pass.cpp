@@ -52,7 +52,7 @@ Result<Done> fill(const Device& device, const GpuImage& volume, int levels, Pyra
   VkExtent3D extent = volume.extent;
   for (int level = 1; level < levels; ++level) {
     extent = halved(extent);
-    const Result<Done> added = addLevel(device, pass, extent);
+    Result<Done> added = addLevel(device, pass, extent);
     if (!added) return added;
   }
   return runCommands(device, [&](VkCommandBuffer commands) {
