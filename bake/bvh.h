@@ -8,14 +8,14 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <vector>
 
+#include "bake/binary_tree.h"
 #include "bake/distance.h"
 #include "formats/mesh.h"
 
 namespace overcast {
-
-constexpr int kTreeWidth = 16;
 
 /// Children: an index of a node when not negative, else ~index of a leaf. Unused slots hold a box that is very far away.
 struct alignas(64) TreeNode {
@@ -48,13 +48,14 @@ struct TreeTriangle {
 /// All lengths in voxels, positions relative to the grid's origin.
 struct Tree {
   std::vector<TreeNode> nodes;  ///< nodes[0] is the root
-  std::vector<TreeLeaf> leaves;
-  std::vector<TreeTriangle> triangles;  ///< in the order of the leaves
-  std::vector<std::uint32_t> order;     ///< triangles[i] is mesh.triangles[order[i]]
-  float positionError = 0.0f;           ///< bound on the rounding of any coordinate of mesh and grid to float
+  std::unique_ptr<TreeLeaf[]> leaves;
+  std::size_t leafCount = 0;
+  std::unique_ptr<TreeTriangle[]> triangles;  ///< in the order of the leaves
+  std::vector<std::uint32_t> order;           ///< triangles[i] is mesh.triangles[order[i]]
+  float positionError = 0.0f;                 ///< bound on the rounding of any coordinate of mesh and grid to float
 };
 
-/// Binned surface-area heuristic along the longest axis. The same tree for any thread count.
+/// Widens the binary tree of bake/binary_tree.h. The same tree for any thread count.
 Tree buildTree(const Mesh& mesh, const Grid& grid);
 
 }  // namespace overcast

@@ -62,8 +62,8 @@ Job makeJob(const Mesh& mesh, const Grid& grid, const Tree& tree, double band, S
   return {grid,
           kernelFor(simd),
           {tree.nodes.data(),
-           tree.leaves.data(),
-           tree.triangles.data(),
+           tree.leaves.get(),
+           tree.triangles.get(),
            tree.order.data(),
            &mesh.positions[0].x,
            &mesh.triangles[0].x,
@@ -186,7 +186,7 @@ void boxOf(const TreeLeaf& leaf, std::uint32_t corners, glm::vec3& low, glm::vec
 /// Marks the blocks that can hold a sample within the band: by leaf where a leaf is small, by triangle where it is not.
 void activateBand(Job& job, const Tree& tree) {
   std::fill(job.active.begin(), job.active.end(), std::uint8_t{0});
-  tbb::parallel_for(std::size_t{0}, tree.leaves.size(), [&](std::size_t i) {
+  tbb::parallel_for(std::size_t{0}, tree.leafCount, [&](std::size_t i) {
     const TreeLeaf& leaf = tree.leaves[i];
     std::uint32_t corners = 0;
     for (const std::uint32_t ofTriangle : leaf.corners) corners |= ofTriangle;
