@@ -5,6 +5,8 @@
 #include <limits>
 #include <optional>
 
+#include <glm/geometric.hpp>
+#include <glm/vec4.hpp>
 #include <nlohmann/json.hpp>
 
 #include "formats/uri.h"
@@ -65,8 +67,9 @@ class Fields {
   template <class Vector>
   void vector(const char* key, Vector& out, double low, double high) {
     const Json& value = find(key);
-    if (!value.is_array() || value.size() != 3) return fail(key, "is not an array of 3 numbers");
-    for (int i = 0; i < 3; ++i) {
+    constexpr int count = Vector::length();
+    if (!value.is_array() || value.size() != count) return fail(key, fmt::format("is not an array of {} numbers", count));
+    for (int i = 0; i < count; ++i) {
       const Json& entry = value.at(static_cast<std::size_t>(i));
       if (!checked(entry, key, low, high)) return;
       out[i] = static_cast<typename Vector::value_type>(entry.get<double>());
@@ -79,6 +82,16 @@ class Fields {
     const double length = std::sqrt(double{read.x} * read.x + double{read.y} * read.y + double{read.z} * read.z);
     if (std::abs(length - 1.0) > 1e-3) return fail(key, fmt::format("is not a unit vector (its length is {:.6g})", length));
     out = read;
+  }
+
+  /// x, y, z, w; made exactly unit where only its digits were cut short.
+  void rotation(const char* key, glm::dquat& out) {
+    glm::dvec4 xyzw(0.0, 0.0, 0.0, 1.0);
+    vector(key, xyzw, -2.0, 2.0);
+    const double length = glm::length(xyzw);
+    if (std::abs(length - 1.0) > 1e-6) return fail(key, fmt::format("is not a unit quaternion (its length is {:.9g})", length));
+    if (std::abs(length - 1.0) > 1e-14) xyzw /= length;
+    out = glm::dquat(xyzw.w, xyzw.x, xyzw.y, xyzw.z);
   }
 
   void text(const char* key, std::string& out, bool mayBeEmpty) {
@@ -141,6 +154,26 @@ bool isContentHash(const std::string& text) {
   return text.empty() || (text.size() == 32 && text.find_first_not_of("0123456789abcdef") == std::string::npos);
 }
 
+void readFileOf(Fields& fields, Occluder& occluder) {
+  std::string text;
+  fields.text("uri", text, false);
+  occluder.uri = pathFromUri(text);
+  fields.text("contentHash", occluder.contentHash, true);
+  if (!isContentHash(occluder.contentHash)) fields.fail("contentHash", "is not 32 lower-case hexadecimal digits");
+}
+
+void readPrimitive(Fields fields, Primitive& primitive) {
+  std::string shape;
+  fields.text("shape", shape, false);
+  const bool ellipsoid = shape == name(PrimitiveShape::ellipsoid);
+  if (!ellipsoid && shape != name(PrimitiveShape::cuboid)) fields.fail("shape", fmt::format("'{}' is neither cuboid nor ellipsoid", shape));
+  primitive.shape = ellipsoid ? PrimitiveShape::ellipsoid : PrimitiveShape::cuboid;
+  fields.vector("centre", primitive.centre, -kLargestHalfExtent, kLargestHalfExtent);
+  fields.rotation("rotation", primitive.rotation);
+  fields.vector("halfExtents", primitive.halfExtents, kSmallestHalfExtent, kLargestHalfExtent);
+  if (!isWhole(primitive)) fields.fail("halfExtents", fmt::format("has a smallest below {:.6g} of its largest", kThinnestPrimitive));
+}
+
 void readOccluder(Fields& fields, Occluder& occluder) {
   fields.version(kOccluderVersion);
   std::string text;
@@ -148,10 +181,10 @@ void readOccluder(Fields& fields, Occluder& occluder) {
   const auto representation = representationNamed(text);
   if (!representation) fields.fail("representation", fmt::format("'{}' is not known", text));
   occluder.representation = representation.value_or(occluder.representation);
-  fields.text("uri", text, false);
-  occluder.uri = pathFromUri(text);
-  fields.text("contentHash", occluder.contentHash, true);
-  if (!isContentHash(occluder.contentHash)) fields.fail("contentHash", "is not 32 lower-case hexadecimal digits");
+  if (occluder.representation == Representation::primitive)
+    readPrimitive(fields.child("primitive"), occluder.primitive.emplace());
+  else
+    readFileOf(fields, occluder);
   constexpr std::uint64_t largest = std::numeric_limits<std::uint64_t>::max();
   fields.integer("bytes", occluder.bytes, std::uint64_t{0}, largest);
   fields.box("bounds", occluder.bounds);
@@ -209,6 +242,14 @@ std::string dump(const Json& json) {
   return json.dump(-1, ' ', false, Json::error_handler_t::replace);
 }
 
+Json primitiveJson(const Primitive& primitive) {
+  const glm::dquat& q = primitive.rotation;
+  return {{"shape", name(primitive.shape)},
+          {"centre", arrayOf(primitive.centre)},
+          {"rotation", Json::array({q.x, q.y, q.z, q.w})},
+          {"halfExtents", arrayOf(primitive.halfExtents)}};
+}
+
 }  // namespace
 
 double shortest(float value) {
@@ -220,23 +261,28 @@ double shortest(float value) {
 }
 
 std::string occluderJson(const Occluder& occluder) {
-  return dump({{"version", kOccluderVersion},
-               {"representation", name(occluder.representation)},
-               {"uri", uriFromPath(occluder.uri)},
-               {"contentHash", occluder.contentHash},
-               {"bytes", occluder.bytes},
-               {"bounds", boxJson(occluder.bounds)},
-               {"influenceRadius", occluder.influenceRadius},
-               {"lipschitz", occluder.lipschitz},
-               {"signMethod", occluder.signMethod},
-               {"error",
-                {{"max", occluder.error.max},
-                 {"rms", occluder.error.rms},
-                 {"signErrors", occluder.error.signErrors},
-                 {"samples", occluder.error.samples},
-                 {"seed", occluder.error.seed}}},
-               {"source", occluder.source},
-               {"settingsHash", occluder.settingsHash}});
+  OVERCAST_REQUIRE(occluder.primitive.has_value() == (occluder.representation == Representation::primitive),
+                   "a {} {} numbers of a primitive", name(occluder.representation), occluder.primitive ? "with" : "without");
+  Json json = {{"version", kOccluderVersion}, {"representation", name(occluder.representation)}};
+  if (occluder.primitive) {
+    json["primitive"] = primitiveJson(*occluder.primitive);
+  } else {
+    json["uri"] = uriFromPath(occluder.uri);
+    json["contentHash"] = occluder.contentHash;
+  }
+  json["bytes"] = occluder.bytes;
+  json["bounds"] = boxJson(occluder.bounds);
+  json["influenceRadius"] = occluder.influenceRadius;
+  json["lipschitz"] = occluder.lipschitz;
+  json["signMethod"] = occluder.signMethod;
+  json["error"] = {{"max", occluder.error.max},
+                   {"rms", occluder.error.rms},
+                   {"signErrors", occluder.error.signErrors},
+                   {"samples", occluder.error.samples},
+                   {"seed", occluder.error.seed}};
+  json["source"] = occluder.source;
+  json["settingsHash"] = occluder.settingsHash;
+  return dump(json);
 }
 
 std::string lightingJson(const Lighting& lighting) {

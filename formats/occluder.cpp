@@ -9,6 +9,9 @@ namespace {
 /// In the order of the enumeration.
 constexpr std::array kNames = {
     "volume",
+    "primitive",
+    "radius",
+    "heightfield",
 };
 
 }  // namespace

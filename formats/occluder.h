@@ -7,11 +7,12 @@
 #include <string_view>
 
 #include "formats/mesh.h"
+#include "formats/primitive.h"
 
 namespace overcast {
 
 /// Which of the papers' occluder representations an asset holds (DESIGN 5.1). Stored by name.
-enum class Representation { volume };
+enum class Representation { volume, primitive, radius, heightfield };
 
 /// Measured error of a baked representation against the exact distance to its source mesh, at seeded random points of its box.
 struct MeasuredError {
@@ -27,9 +28,10 @@ inline constexpr int kOccluderVersion = 1;
 /// One baked occluder, in the local space of the node's mesh.
 struct Occluder {
   Representation representation = Representation::volume;
-  std::string uri;                        ///< file beside the glTF
-  std::string contentHash;                ///< of that file (formats/files.h)
-  std::uint64_t bytes = 0;                ///< of that file
+  std::string uri;                        ///< file beside the glTF; empty for a primitive
+  std::string contentHash;                ///< of that file (formats/files.h); empty for a primitive
+  std::uint64_t bytes = 0;                ///< of that file; kPrimitiveBytes for a primitive
+  std::optional<Primitive> primitive;     ///< exactly when the representation is primitive
   Box bounds;                             ///< box within which the representation is defined
   double influenceRadius = 0.0;           ///< distance beyond the bounds up to which it is meant to occlude
   double lipschitz = 1.7320508075688772;  ///< bound on |grad phi| of what the runtime evaluates; culling uses it

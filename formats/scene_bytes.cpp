@@ -26,9 +26,14 @@ void fields(Archive& archive, Camera& camera) {
 }
 
 template <class Archive>
+void fields(Archive& archive, Primitive& primitive) {
+  archive(primitive.shape, primitive.centre, primitive.rotation, primitive.halfExtents);
+}
+
+template <class Archive>
 void fields(Archive& archive, Occluder& occluder) {
-  archive(occluder.representation, occluder.uri, occluder.contentHash, occluder.bytes, occluder.bounds, occluder.influenceRadius,
-          occluder.lipschitz, occluder.signMethod, occluder.error, occluder.source, occluder.settingsHash);
+  archive(occluder.representation, occluder.uri, occluder.contentHash, occluder.bytes, occluder.primitive, occluder.bounds,
+          occluder.influenceRadius, occluder.lipschitz, occluder.signMethod, occluder.error, occluder.source, occluder.settingsHash);
 }
 
 template <class Archive>

@@ -69,6 +69,15 @@ std::string brokenChannel(const AnimationChannel& channel, std::size_t nodes) {
   return "";
 }
 
+/// Occluders pass the parser of their JSON, whose own promises these are.
+std::string brokenOccluder(const Occluder& occluder) {
+  if (occluder.representation < Representation::volume || occluder.representation > Representation::heightfield)
+    return "has an unknown representation";
+  if (occluder.primitive.has_value() != (occluder.representation == Representation::primitive))
+    return "has a primitive too many or too few";
+  return occluder.primitive && !isWhole(*occluder.primitive) ? "has a primitive that is out of range" : "";
+}
+
 }  // namespace
 
 std::string brokenInvariant(const Scene& scene) {
@@ -81,6 +90,10 @@ std::string brokenInvariant(const Scene& scene) {
       const std::string broken = brokenChannel(scene.animations[a].channels[c], scene.nodes.size());
       if (!broken.empty()) return fmt::format("animation {} channel {} {}", a, c, broken);
     }
+  }
+  for (std::size_t n = 0; n < scene.nodes.size(); ++n) {
+    const std::string broken = scene.nodes[n].occluder ? brokenOccluder(*scene.nodes[n].occluder) : "";
+    if (!broken.empty()) return fmt::format("node {} {}", n, broken);
   }
   return brokenLinks(scene);
 }

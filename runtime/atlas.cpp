@@ -155,12 +155,12 @@ Result<AtlasLayout> packAtlas(std::span<const glm::ivec3> sizes, const AtlasLimi
   return std::move(*best);
 }
 
-Result<Atlas> makeAtlas(const Device& device, std::span<const Volume> volumes, AtlasBits bits) {
+Result<Atlas> makeAtlas(const Device& device, std::span<const Volume* const> volumes, AtlasBits bits) {
   const VkFormat format = bits == AtlasBits::half ? VK_FORMAT_R16_SFLOAT : VK_FORMAT_R32_SFLOAT;
   if (!filtersLinearly(device, format))
     return Error{"", "volume atlas", fmt::format("this device does not filter {}-bit floats", bits == AtlasBits::half ? 16 : 32)};
   std::vector<glm::ivec3> sizes;
-  for (const Volume& volume : volumes) sizes.push_back(volume.size);
+  for (const Volume* volume : volumes) sizes.push_back(volume->size);
   Result<AtlasLayout> packed = packAtlas(sizes, limitsOf(device, bits));
   if (!packed) return packed.error();
   const AtlasLayout& layout = packed.value();
@@ -168,9 +168,9 @@ Result<Atlas> makeAtlas(const Device& device, std::span<const Volume> volumes, A
   Atlas atlas;
   std::vector<std::byte> bytes(texels(layout.extent) * (bits == AtlasBits::half ? 2 : 4));
   for (std::size_t i = 0; i < volumes.size(); ++i) {
-    const Volume scaled = inVoxels(volumes[i], bits);
+    const Volume scaled = inVoxels(*volumes[i], bits);
     copyInto(bytes, layout, layout.offsets[i], scaled, bits);
-    atlas.entries.push_back({layout.offsets[i], volumes[i].size, volumes[i].origin, volumes[i].voxelSize,
+    atlas.entries.push_back({layout.offsets[i], volumes[i]->size, volumes[i]->origin, volumes[i]->voxelSize,
                              std::nextafter(static_cast<float>(lipschitzBound(scaled)), 1e30f), lowestBorder(scaled)});
   }
   ImageSettings settings;

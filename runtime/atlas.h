@@ -55,7 +55,7 @@ struct Atlas {
 
 /// Packs and uploads; waits. Values beyond the range of half floats are clamped to it. An Error when the device cannot hold
 /// the atlas or does not filter its format.
-Result<Atlas> makeAtlas(const Device& device, std::span<const Volume> volumes, AtlasBits bits = AtlasBits::half);
+Result<Atlas> makeAtlas(const Device& device, std::span<const Volume* const> volumes, AtlasBits bits = AtlasBits::half);
 void destroyAtlas(const Device& device, Atlas& atlas);
 
 }  // namespace overcast

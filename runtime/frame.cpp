@@ -65,9 +65,9 @@ Result<Done> fillRenderer(const Device& device, const RuntimeScene& scene, Frame
   Estimator estimator = scene.lighting.estimator;
   if (renderer.settings.taps) estimator.taps = *renderer.settings.taps;
   Result<Done> done = take(skyTaps(estimator, resolution), renderer.taps);
-  if (done) done = take(makeAtlas(device, scene.volumes), renderer.atlas);
+  if (done) done = take(makeAssetStore(device, scene.assets), renderer.store);
   const auto objects = static_cast<std::uint32_t>(scene.objects.size());
-  if (done) done = take(makeCompositePass(device, renderer.grid, renderer.atlas, objects), renderer.composite);
+  if (done) done = take(makeCompositePass(device, renderer.grid, renderer.store, objects), renderer.composite);
   if (done) done = take(makePyramidPass(device, renderer.composite.volume, renderer.taps.count), renderer.pyramid);
   if (done) done = take(makeGeometryPass(device, scene.vertices, scene.indices, objects), renderer.geometry);
   if (done) done = makeSubmission(device, renderer);
@@ -94,7 +94,7 @@ Placed placeObjects(const FrameRenderer& renderer, const RuntimeScene& scene, do
   Placed placed;
   for (const SceneObject& object : scene.objects) {
     const glm::dmat4& node = nodes[object.node];
-    placed.occluders.push_back(compositeObject(renderer.atlas.entries[object.volume], node, renderer.grid));
+    placed.occluders.push_back(compositeObject(renderer.store.entries[object.asset], node, renderer.grid));
     glm::dmat4 fromCentre = node;
     fromCentre[3] = node * glm::dvec4(scene.meshes[object.mesh].centre, 1.0);
     placed.instances.push_back(geometryInstance(fromCentre, eye(view)));
@@ -149,7 +149,7 @@ void destroyFrameRenderer(const Device& device, FrameRenderer& renderer) {
   destroyGeometryPass(device, renderer.geometry);
   destroyPyramidPass(device, renderer.pyramid);
   destroyCompositePass(device, renderer.composite);
-  destroyAtlas(device, renderer.atlas);
+  destroyAssetStore(device, renderer.store);
   renderer = {};
 }
 

@@ -10,7 +10,7 @@
 #include <vulkan/vulkan.h>
 
 #include "formats/image.h"
-#include "runtime/atlas.h"
+#include "runtime/asset_store.h"
 #include "runtime/camera.h"
 #include "runtime/passes/composite/composite_pass.h"
 #include "runtime/passes/geometry/geometry_pass.h"
@@ -46,7 +46,7 @@ struct FrameRenderer {
   FrameSettings settings;
   SkyTaps taps;
   GlobalGrid grid;
-  Atlas atlas;
+  AssetStore store;
   CompositePass composite;
   PyramidPass pyramid;
   GeometryPass geometry;

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <map>
 
-#include "formats/files.h"
+#include "formats/extension_json.h"
 #include "runtime/passes/shade/shade_pass.h"
 
 namespace overcast {
@@ -16,36 +16,26 @@ std::string nodePlace(const Scene& scene, std::size_t node) {
   return name.empty() ? fmt::format("nodes/{}", node) : fmt::format("node '{}'", name);
 }
 
-/// The objects of the scene and the volume files they need, each once. Meshes without triangles are no objects.
+/// Equal exactly for occluders that share an asset.
+std::string identity(const Occluder& occluder) {
+  return occluder.primitive ? occluderJson(occluder) : occluder.uri;
+}
+
+/// The objects of the scene and the nodes whose assets they need, each once. Meshes without triangles are no objects.
 Result<std::vector<std::uint32_t>> collectObjects(const fs::path& path, RuntimeScene& scene) {
-  std::map<std::string, std::uint32_t> volumeByUri;
-  std::vector<std::uint32_t> volumeNodes;
+  std::map<std::string, std::uint32_t> known;
+  std::vector<std::uint32_t> assetNodes;
   for (std::size_t i = 0; i < scene.scene.nodes.size(); ++i) {
     const Node& node = scene.scene.nodes[i];
     if (node.mesh < 0 || scene.scene.meshes[static_cast<std::size_t>(node.mesh)].triangles.empty()) continue;
     if (!node.occluder)
       return Error{path.string(), nodePlace(scene.scene, i), "has a mesh but no occluder: bake the scene first with overcast-bake"};
-    const auto [entry, fresh] = volumeByUri.emplace(node.occluder->uri, static_cast<std::uint32_t>(volumeNodes.size()));
-    if (fresh) volumeNodes.push_back(static_cast<std::uint32_t>(i));
+    const auto [entry, fresh] = known.emplace(identity(*node.occluder), static_cast<std::uint32_t>(assetNodes.size()));
+    if (fresh) assetNodes.push_back(static_cast<std::uint32_t>(i));
     scene.objects.push_back({static_cast<std::uint32_t>(i), static_cast<std::uint32_t>(node.mesh), entry->second});
   }
   std::stable_sort(scene.objects.begin(), scene.objects.end(), [](const auto& a, const auto& b) { return a.mesh < b.mesh; });
-  return volumeNodes;
-}
-
-Result<Volume> loadVolume(const fs::path& scenePath, const Occluder& occluder) {
-  const Result<fs::path> path = resolveInside(scenePath.parent_path(), occluder.uri);
-  if (!path) return path.error();
-  {
-    const Result<std::vector<std::byte>> bytes = readFile(path.value());
-    if (!bytes) return bytes.error();
-    const std::string hash = contentHash(bytes.value());
-    if (hash != occluder.contentHash)
-      return Error{path.value().string(), "",
-                   fmt::format("its content hash is {}, but {} was baked with {}: bake the scene again", hash,
-                               scenePath.filename().string(), occluder.contentHash)};
-  }
-  return readVolume(path.value());
+  return assetNodes;
 }
 
 /// The vertices and indices of all meshes that objects use.
@@ -112,13 +102,13 @@ Result<Done> fillScene(const Device& device, const fs::path& path, RuntimeScene&
   const Result<SkyTaps> taps = skyTaps(scene.lighting.estimator, scene.lighting.globalVolume.resolution);
   if (!taps) return Error{path.string(), taps.error().place, taps.error().reason};
   scene.bounds = worldBounds(scene.scene);
-  const Result<std::vector<std::uint32_t>> volumeNodes = collectObjects(path, scene);
-  if (!volumeNodes) return volumeNodes.error();
+  const Result<std::vector<std::uint32_t>> assetNodes = collectObjects(path, scene);
+  if (!assetNodes) return assetNodes.error();
   if (scene.objects.empty()) return Error{path.string(), "", "there is no mesh to show"};
-  for (const std::uint32_t node : volumeNodes.value()) {
-    Result<Volume> volume = loadVolume(path, *scene.scene.nodes[node].occluder);
-    if (!volume) return volume.error();
-    scene.volumes.push_back(std::move(volume).value());
+  for (const std::uint32_t node : assetNodes.value()) {
+    Result<Asset> asset = readAsset(path.parent_path(), *scene.scene.nodes[node].occluder);
+    if (!asset) return asset.error();
+    scene.assets.push_back(std::move(asset).value());
   }
   return uploadMeshes(device, path, scene);
 }

@@ -1,4 +1,4 @@
-// RuntimeScene: a baked scene opened for playing: meshes on the device, distance volumes, and what moves.
+// RuntimeScene: a baked scene opened for playing: meshes on the device, local occluders, and what moves.
 #pragma once
 
 #include <cstdint>
@@ -8,8 +8,8 @@
 #include <glm/mat4x4.hpp>
 #include <glm/vec3.hpp>
 
+#include "formats/asset.h"
 #include "formats/scene.h"
-#include "formats/volume.h"
 #include "runtime/passes/geometry/geometry_pass.h"
 #include "runtime/vulkan/device.h"
 #include "runtime/vulkan/resources.h"
@@ -26,7 +26,7 @@ struct SceneMesh {
 struct SceneObject {
   std::uint32_t node = 0;
   std::uint32_t mesh = 0;
-  std::uint32_t volume = 0;  ///< index into RuntimeScene::volumes; nodes that name the same file share it
+  std::uint32_t asset = 0;  ///< index into RuntimeScene::assets; nodes that name the same file or the same primitive share it
 };
 
 struct RuntimeScene {
@@ -34,14 +34,14 @@ struct RuntimeScene {
   Lighting lighting;
   Box bounds;  ///< world space, over the whole animation
   std::vector<SceneMesh> meshes;
-  std::vector<Volume> volumes;
+  std::vector<Asset> assets;
   std::vector<SceneObject> objects;  ///< ordered by mesh, then by node
   GpuBuffer vertices;                ///< shared::kVertexFloats floats each
   GpuBuffer indices;                 ///< uint32
 };
 
-/// Reads a baked scene, its volumes (content hashes checked) and puts its meshes on the device. Errors name the file: not a scene, a mesh
-/// node without an occluder (the scene was not baked: says to run overcast-bake), a volume that is missing, changed or broken, more
+/// Reads a baked scene, its assets (content hashes checked) and puts its meshes on the device. Errors name the file: not a scene, a mesh
+/// node without an occluder (the scene was not baked: says to run overcast-bake), an asset that is missing, changed or broken, more
 /// geometry than the device can hold.
 Result<RuntimeScene> loadScene(const Device& device, const std::filesystem::path& path);
 void destroyScene(const Device& device, RuntimeScene& scene);

@@ -104,8 +104,14 @@ AnimationChannel channel(Dice& dice, int node, AnimatedProperty property) {
 
 Occluder occluder(Dice& dice) {
   Occluder made;
-  made.uri = dice.chance(0.5) ? "volumes/a b#%.vdb" : "mesh.vdb";
-  made.contentHash = hash(dice);
+  made.representation = static_cast<Representation>(dice.integer(0, 3));
+  if (made.representation == Representation::primitive) {
+    made.primitive = Primitive{dice.chance(0.5) ? PrimitiveShape::cuboid : PrimitiveShape::ellipsoid, dice.vector(-9, 9), dice.rotation(),
+                               dice.vector(1e-3, 2)};
+  } else {
+    made.uri = dice.chance(0.5) ? "volumes/a b#%.vdb" : "mesh.vdb";
+    made.contentHash = hash(dice);
+  }
   made.bytes = dice.engine();
   made.bounds = dice.box();
   made.influenceRadius = dice.real(0, 3);

@@ -25,7 +25,7 @@ using test::sampled;
 using test::sphereDistance;
 
 struct Placement {
-  std::size_t volume = 0;
+  std::size_t asset = 0;
   glm::dmat4 worldFromLocal{1.0};
 };
 
@@ -33,9 +33,9 @@ GlobalGrid cubeGrid(int side, double half) {
   return globalGrid({glm::dvec3(-half), glm::dvec3(half)}, side, 0);
 }
 
-std::vector<shared::CompositeObject> records(const Atlas& atlas, const std::vector<Placement>& placements, const GlobalGrid& grid) {
+std::vector<shared::CompositeObject> records(const AssetStore& store, const std::vector<Placement>& placements, const GlobalGrid& grid) {
   std::vector<shared::CompositeObject> objects;
-  for (const Placement& p : placements) objects.push_back(compositeObject(atlas.entries[p.volume], p.worldFromLocal, grid));
+  for (const Placement& p : placements) objects.push_back(compositeObject(store.entries[p.asset], p.worldFromLocal, grid));
   return objects;
 }
 
@@ -43,23 +43,23 @@ class Composite : public test::DeviceTest {
  protected:
   void SetUp() override {
     DeviceTest::SetUp();
-    if (device.device) volumes = test::variedVolumes();
+    if (device.device) assets = test::variedAssets();
   }
 
   void TearDown() override {
     for (CompositePass& pass : passes) destroyCompositePass(device, pass);
-    if (device.device) destroyAtlas(device, atlas);
+    if (device.device) destroyAssetStore(device, store);
     DeviceTest::TearDown();
   }
 
   void load(AtlasBits bits = AtlasBits::half) {
-    Result<Atlas> made = makeAtlas(device, volumes, bits);
+    Result<AssetStore> made = makeAssetStore(device, assets, bits);
     ASSERT_TRUE(made.ok()) << message(made.error());
-    atlas = std::move(made).value();
+    store = std::move(made).value();
   }
 
   CompositePass& pass(const GlobalGrid& grid, std::uint32_t capacity, CompositeMethod method = CompositeMethod::culled) {
-    Result<CompositePass> made = makeCompositePass(device, grid, atlas, capacity, method);
+    Result<CompositePass> made = makeCompositePass(device, grid, store, capacity, method);
     if (!made) throw std::runtime_error(message(made.error()));
     return passes.emplace_back(std::move(made).value());
   }
@@ -67,7 +67,7 @@ class Composite : public test::DeviceTest {
   bool run(CompositePass& pass, const std::vector<Placement>& placements) {
     bool recorded = false;
     const Result<Done> done = runCommands(
-        device, [&](VkCommandBuffer commands) { recorded = recordComposite(commands, pass, records(atlas, placements, pass.grid)); });
+        device, [&](VkCommandBuffer commands) { recorded = recordComposite(commands, pass, records(store, placements, pass.grid)); });
     EXPECT_TRUE(done.ok());
     return recorded;
   }
@@ -87,8 +87,8 @@ class Composite : public test::DeviceTest {
     return count;
   }
 
-  std::vector<Volume> volumes;
-  Atlas atlas;
+  std::vector<Asset> assets;
+  AssetStore store;
   std::vector<CompositePass> passes;
 };
 
@@ -176,7 +176,7 @@ TEST_P(CompositeScenes, CulledEqualsBruteForceBitForBit) {
   const std::size_t count = static_cast<std::size_t>(GetParam());
   const GlobalGrid grid = globalGrid({glm::dvec3(-4, -3, -4), glm::dvec3(4, 3, 3.5)}, 48);
   std::vector<Placement> placements(count);
-  for (Placement& p : placements) p = {random() % volumes.size(), randomTransform(random, 4.5)};
+  for (Placement& p : placements) p = {random() % assets.size(), randomTransform(random, 4.5)};
   pass(grid, static_cast<std::uint32_t>(count));
   pass(grid, static_cast<std::uint32_t>(count), CompositeMethod::bruteForce);
   for (int frame = 0; frame < 4; ++frame) {
@@ -199,7 +199,7 @@ TEST_F(Composite, BricksWithMoreObjectsThanTheirListHoldsStayExact) {
   std::mt19937 random(11);
   const GlobalGrid grid = cubeGrid(32, 2.0);
   std::vector<Placement> placements(180);
-  for (Placement& p : placements) p = {random() % volumes.size(), randomTransform(random, 0.02)};
+  for (Placement& p : placements) p = {random() % assets.size(), randomTransform(random, 0.02)};
   pass(grid, 180);
   pass(grid, 180, CompositeMethod::bruteForce);
   for (int frame = 0; frame < 2; ++frame) {
@@ -219,8 +219,8 @@ TEST_F(Composite, BricksWithMoreObjectsThanTheirListHoldsStayExact) {
 }
 
 TEST_F(Composite, AnObjectCutOffByItsBoxReachesBeyondIt) {
-  volumes = {sampled([](const glm::dvec3& p) { return sphereDistance(p, 0.3); }, 16, 0.5),
-             sampled([](const glm::dvec3& p) { return sphereDistance(p, 5.0); }, 8, 0.5)};
+  assets = {sampled([](const glm::dvec3& p) { return sphereDistance(p, 0.3); }, 16, 0.5),
+            sampled([](const glm::dvec3& p) { return sphereDistance(p, 5.0); }, 8, 0.5)};
   load();
   const GlobalGrid grid = cubeGrid(64, 4.0);
   const std::vector<Placement> placements{{0, glm::translate(glm::dmat4(1.0), glm::dvec3(3, 1.5, 0))},
@@ -241,8 +241,9 @@ TEST_F(Composite, AgreesWithBruteForceInDouble) {
     double filtering = 0.0;
     for (Placement& p : placements) {
       p = {random() % 4, randomTransform(random, 4.0)};
-      placed.push_back(reference::place(volumes[p.volume], p.worldFromLocal));
-      filtering = std::max(filtering, 2.0 * std::sqrt(3.0) / 256.0 * placed.back().sigmaMin * volumes[p.volume].voxelSize / grid.voxelSize);
+      const Volume& volume = std::get<Volume>(assets[p.asset]);
+      placed.push_back(reference::place(volume, p.worldFromLocal));
+      filtering = std::max(filtering, 2.0 * std::sqrt(3.0) / 256.0 * placed.back().sigmaMin * volume.voxelSize / grid.voxelSize);
     }
     run(pass(grid, 12), placements);
     const std::vector<std::uint16_t> halves = bits(passes.back());
@@ -261,7 +262,7 @@ TEST_F(Composite, AgreesWithBruteForceInDouble) {
         }
     EXPECT_LT(worst, 1.0) << "filtering allows " << filtering << " voxels";
     destroyCompositePass(device, passes.back());
-    destroyAtlas(device, atlas);
+    destroyAssetStore(device, store);
   }
 }
 
@@ -295,7 +296,7 @@ TEST_F(Composite, AnEmptySceneIsTheFarField) {
 }
 
 TEST_F(Composite, AnObjectIsExactUnderRigidAndUniformTransforms) {
-  volumes = {sampled([](const glm::dvec3& p) { return sphereDistance(p, 0.5); }, 48, 1.0)};
+  assets = {sampled([](const glm::dvec3& p) { return sphereDistance(p, 0.5); }, 48, 1.0)};
   load();
   glm::dmat4 placed = glm::translate(glm::dmat4(1.0), glm::dvec3(0.2, -0.1, 0.3));
   placed = glm::scale(glm::rotate(placed, 0.7, glm::dvec3(1, 2, 3)), glm::dvec3(2.0, -2.0, 2.0));

@@ -153,7 +153,7 @@ TEST_F(Frames, RefuseSettingsOutOfRange) {
 TEST_F(Frames, ShareVolumesAndCentreMeshes) {
   open(writeBakedScene(temporaryFolder(), {.camera = true}), settings);
   EXPECT_EQ(scene.objects.size(), 4u);
-  EXPECT_EQ(scene.volumes.size(), 3u);
+  EXPECT_EQ(scene.assets.size(), 3u);
   EXPECT_NEAR(eye(viewAt(0.0)).y, 5.0, 1e-6) << "the scene's own camera";
 }
 

@@ -71,6 +71,17 @@ std::vector<Volume> variedVolumes() {
   return volumes;
 }
 
+std::vector<Asset> variedAssets() {
+  std::vector<Asset> assets;
+  for (Volume& volume : variedVolumes()) assets.emplace_back(std::move(volume));
+  const glm::dquat turned = glm::normalize(glm::dquat(0.9, 0.2, -0.3, 0.1));
+  assets.emplace_back(Primitive{PrimitiveShape::cuboid, {0.1, -0.2, 0.3}, turned, {0.8, 0.3, 0.5}});
+  assets.emplace_back(Primitive{PrimitiveShape::cuboid, {0.0, 0.0, 0.0}, {1.0, 0.0, 0.0, 0.0}, {0.6, 0.01, 0.4}});
+  assets.emplace_back(Primitive{PrimitiveShape::ellipsoid, {-0.1, 0.2, 0.0}, turned, {0.9, 0.2, 0.5}});
+  assets.emplace_back(Primitive{PrimitiveShape::ellipsoid, {0.0, 0.0, 0.0}, {1.0, 0.0, 0.0, 0.0}, {0.7, 0.7, 0.7}});
+  return assets;
+}
+
 glm::dmat4 randomTransform(std::mt19937& random, double spread) {
   const glm::dvec3 where{uniform(random, -spread, spread), uniform(random, -spread, spread), uniform(random, -spread, spread)};
   glm::dvec3 scale(uniform(random, 0.2, 2.5));

@@ -8,7 +8,7 @@
 #include <glm/mat4x4.hpp>
 #include <glm/vec3.hpp>
 
-#include "formats/volume.h"
+#include "formats/asset.h"
 #include "runtime/vulkan/resources.h"
 #include "tests/reference/pyramid.h"
 
@@ -25,6 +25,9 @@ double torusDistance(const glm::dvec3& p, double ring, double tube);
 /// Volumes of different sizes and manners: sphere, box, torus, one cut off by its own box (negative border), one of steep noise, and one
 /// that is no cube.
 std::vector<Volume> variedVolumes();
+
+/// These volumes first, then primitives of both shapes.
+std::vector<Asset> variedAssets();
 
 /// Rotation, translation within `spread` of the origin, scale from 0.2 to 2.5 along each axis: uniform, non-uniform, mirrored, or sheared.
 glm::dmat4 randomTransform(std::mt19937& random, double spread);

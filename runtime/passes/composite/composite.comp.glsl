@@ -51,7 +51,7 @@ void main() {
         CompositeObject object = objects[index];
         if (object.present == 0u) continue;
         for (int z = 0; z < kOctantSide; ++z) {
-          vec3 local = localSample(object, vec3(lowest.x, lowest.y, lowest.z + float(z)));
+          vec3 local = localPoint(object, vec3(lowest.x, lowest.y, lowest.z + float(z)));
           column[z] = min(column[z], objectDistance(object, local));
         }
       } while (more);

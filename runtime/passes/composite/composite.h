@@ -1,7 +1,8 @@
 // Composite: phi = min over objects into the global volume (DESIGN 5.1, 5.2; Evans 2006, 9.8). Read by C++ and GLSL.
 //
 // Units: the global volume holds signed distances in global voxels (negative inside), so that half floats are best near surfaces whatever
-// the scale of the scene. Points p are in global voxels from the centre of the volume; the atlas holds distances in local voxels.
+// the scale of the scene. Points p are in global voxels from the centre of the volume. Each kind of object has units of its own (a volume's
+// are its voxels); its record says how they become global voxels. How a kind evaluates its distance is in <kind>.h beside this file.
 #ifndef RUNTIME_PASSES_COMPOSITE_COMPOSITE_H
 #define RUNTIME_PASSES_COMPOSITE_COMPOSITE_H
 
@@ -29,19 +30,26 @@ const float kOctantRadius = 2.5980765f;
 /// voxel.
 const float kRelativeSlack = 0.001953125f;
 
-/// One object as the GPU sees it. Local sample coordinates count samples: the first sample is at 0, the last at `lastSample`.
+/// Kinds of objects. Of all but primitives the distance is known within the box and continued beyond it.
+const uint kKindVolume = 0u;     ///< parameters: xyz: centre of the first sample in the atlas, texels. Units: voxels; boxMin is 0
+const uint kKindCuboid = 1u;     ///< parameters: xyz: half extents. Units: global voxels, or local ones where the transform shears
+const uint kKindEllipsoid = 2u;  ///< parameters: xyz: half extents, w: the smallest of them. Units: global voxels
+
+/// One object as the GPU sees it. Local coordinates are in the kind's units.
 struct CompositeObject {
-  vec4 rowX;        //  0: local sample coordinate x = dot(rowX.xyz, p) + rowX.w
-  vec4 rowY;        // 16
-  vec4 rowZ;        // 32
-  vec4 axisScale;   // 48: global voxels per local voxel: xyz of gaps beyond the box along its axes, w of distances (sigma_min)
-  vec4 firstTexel;  // 64: xyz: centre of the first sample in the atlas, texels; w: lowest distance on the box's border in global voxels, <=
-                    // 0
-  vec4 lastSample;  // 80: xyz: samples - 1; w: lipschitz bound of objectDistance, global voxel per global voxel
-  float slack;      // 96: bound of the error of two evaluations by filtering and coordinate rounding, global voxels
-  uint present;     // 100: 0: takes no part
-  uint moved;       // 104: differs from the last composited frame
-  uint padding;     // 108
+  vec4 rowX;        //   0: local coordinate x = dot(rowX.xyz, p) + rowX.w
+  vec4 rowY;        //  16
+  vec4 rowZ;        //  32
+  vec4 axisScale;   //  48: global voxels per unit: xyz of gaps beyond the box along its axes, w of distances (sigma_min)
+  vec4 boxMin;      //  64: xyz: lowest corner of the box, local; w: lowest distance on its border in global voxels, at most 0
+  vec4 boxMax;      //  80: xyz: highest corner; w: lipschitz bound of objectDistance, global voxel per global voxel
+  vec4 parameters;  //  96: by kind
+  vec4 more;        // 112: by kind
+  uvec4 field;      // 128: by kind: where its texels are in the fields buffer (x: index of the first) and how many
+  float slack;      // 144: bound of the error of two evaluations (filtering, rounding), global voxels
+  uint kind;        // 148
+  uint present;     // 152: 0: takes no part
+  uint moved;       // 156: differs from the last composited frame
 };
 
 struct CompositePush {
@@ -50,19 +58,19 @@ struct CompositePush {
   uint everything;  // 32: 1: composite all bricks whatever moved
 };
 
-/// Local sample coordinates of the point p.
-OVERCAST_INLINE vec3 localSample(CompositeObject object, vec3 p) {
+/// Local coordinates of the point p.
+OVERCAST_INLINE vec3 localPoint(CompositeObject object, vec3 p) {
   OVERCAST_PRECISE vec3 local =
       vec3(dot(vec3(object.rowX), p) + object.rowX.w, dot(vec3(object.rowY), p) + object.rowY.w, dot(vec3(object.rowZ), p) + object.rowZ.w);
   return local;
 }
 
-/// The point of the object's box of samples that is closest to `local`.
-OVERCAST_INLINE vec3 closestSample(CompositeObject object, vec3 local) {
-  return clamp(local, vec3(0.0f), vec3(object.lastSample));
+/// The point of the object's box that is closest to `local`.
+OVERCAST_INLINE vec3 closestInBox(CompositeObject object, vec3 local) {
+  return clamp(local, vec3(object.boxMin), vec3(object.boxMax));
 }
 
-/// Distance from the box of samples in global voxels: exact where the transform keeps the box's axes orthogonal, else a lower bound.
+/// Distance from the box in global voxels: exact where the transform keeps the box's axes orthogonal, else a lower bound.
 OVERCAST_INLINE float gapBeyondBox(CompositeObject object, vec3 local, vec3 closest) {
   OVERCAST_PRECISE vec3 gap = (local - closest) * vec3(object.axisScale);
   OVERCAST_PRECISE float squared = dot(gap, gap);
@@ -80,7 +88,7 @@ OVERCAST_INLINE float extendedDistance(float phi, float gap) {
 /// How far any value of the object within `radius` voxels can be from `value`, taken at the centre: the Lipschitz bound over the radius
 /// and what two evaluations may be off. Keep i only if value_i - margin_i <= min over j of (value_j + margin_j).
 OVERCAST_INLINE float cullMargin(CompositeObject object, float value, float radius) {
-  float reach = object.lastSample.w * radius;
+  float reach = object.boxMax.w * radius;
   return reach + object.slack + kRelativeSlack * (abs(value) + reach);
 }
 

@@ -1,5 +1,7 @@
 // What the cull and the composite shader share: the objects, and an object's distance at a point.
 #include "runtime/passes/composite/composite.h"
+#include "runtime/passes/composite/fields.h"
+#include "runtime/passes/composite/primitive.h"
 
 layout(push_constant) uniform Push {
   CompositePush push;
@@ -26,10 +28,28 @@ layout(set = 0, binding = 6, std430) buffer Masks {
   uvec4 masks[];
 };
 
-// Signed distance in global voxels of the object whose local sample coordinates are `local` (beyond its box too).
+// fields.h; formulas that read it are included below this.
+layout(set = 0, binding = 7, std430) readonly buffer Fields {
+  vec2 fields[];
+};
+
+float volumeDistance(CompositeObject object, vec3 local) {
+  return textureLod(atlas, (vec3(object.parameters) + local) * vec3(push.atlasTexel), 0.0f).r;
+}
+
+// Distance at a point of the object's box, in the kind's units. One line per kind.
+float boxedDistance(CompositeObject object, vec3 local) {
+  return volumeDistance(object, local);
+}
+
+// Signed distance in global voxels of the object whose local coordinates are `local` (beyond its box too).
 float objectDistance(CompositeObject object, vec3 local) {
-  vec3 closest = closestSample(object, local);
-  precise float phi = textureLod(atlas, (vec3(object.firstTexel) + closest) * vec3(push.atlasTexel), 0.0f).r * object.axisScale.w;
+  if (object.kind == kKindCuboid || object.kind == kKindEllipsoid) {
+    precise float exact = primitiveDistance(object, local) * object.axisScale.w;
+    return exact;
+  }
+  vec3 closest = closestInBox(object, local);
+  precise float phi = boxedDistance(object, closest) * object.axisScale.w;
   return extendedDistance(phi, gapBeyondBox(object, local, closest));
 }
 

@@ -7,12 +7,15 @@
 #include <limits>
 
 #include <glm/geometric.hpp>
+#include <glm/gtc/quaternion.hpp>
 #include <glm/matrix.hpp>
+
+#include "runtime/passes/composite/primitive.h"
 
 namespace overcast {
 
-static_assert(sizeof(shared::CompositeObject) == 112 && offsetof(shared::CompositeObject, lastSample) == 80 &&
-              offsetof(shared::CompositeObject, slack) == 96);
+static_assert(sizeof(shared::CompositeObject) == 160 && offsetof(shared::CompositeObject, boxMax) == 80 &&
+              offsetof(shared::CompositeObject, field) == 128 && offsetof(shared::CompositeObject, slack) == 144);
 
 namespace {
 
@@ -48,26 +51,29 @@ bool rotateColumns(glm::dmat3& m, int p, int q) {
   return true;
 }
 
-bool orthogonalColumns(const glm::dmat3& m) {
+bool hasOrthogonalColumns(const glm::dmat3& m) {
   for (const auto& [p, q] : {std::array{0, 1}, std::array{0, 2}, std::array{1, 2}})
     if (std::abs(glm::dot(m[p], m[q])) > kOrthogonal * glm::length(m[p]) * glm::length(m[q])) return false;
   return true;
 }
 
-/// Bound of what two evaluations may be off in global voxels: by filter weights of 8 bits (each axis off by at most 1/256 of a local voxel,
-/// so at most sqrt(3) / 256 times the slope), and by rounding of coordinates (`magnitude`: of points and of the object's place).
-double slackOf(const AtlasEntry& entry, double sigmaMin, double magnitude) {
-  const double filtering = std::sqrt(3.0) / 256.0 * sigmaMin * entry.lipschitz;
-  const double rounding = std::sqrt(3.0) * 0x1p-21 * magnitude * entry.lipschitz;
-  return 2.0 * (filtering + rounding);
+double largestOf(const glm::dvec3& v) {
+  return std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)});
+}
+
+/// The linear part as columns of lengths and the frame they make; columns are orthogonal and none is zero.
+glm::dvec3 splitColumns(const glm::dmat3& m, glm::dmat3& frame) {
+  const glm::dvec3 lengths(glm::length(m[0]), glm::length(m[1]), glm::length(m[2]));
+  for (int axis = 0; axis < 3; ++axis) frame[axis] = m[axis] / lengths[axis];
+  return lengths;
 }
 
 }  // namespace
 
-glm::dvec3 singularValues(const glm::dmat3& matrix) {
+glm::dmat3 orthogonalColumns(const glm::dmat3& matrix) {
   const double scale = largestMagnitude(matrix);
   OVERCAST_REQUIRE(std::isfinite(scale), "a matrix with an entry that is not finite");
-  if (scale == 0.0) return glm::dvec3(0.0);
+  if (scale == 0.0) return matrix;
   glm::dmat3 m = matrix / scale;
   constexpr int kSweeps = 30;  // convergence is quadratic; four or five do
   for (int sweep = 0; sweep < kSweeps; ++sweep) {
@@ -76,40 +82,90 @@ glm::dvec3 singularValues(const glm::dmat3& matrix) {
     rotated = rotateColumns(m, 1, 2) || rotated;
     if (!rotated) break;
   }
-  std::array<double, 3> values{glm::length(m[0]), glm::length(m[1]), glm::length(m[2])};
-  std::sort(values.begin(), values.end(), std::greater<>());
-  return scale * glm::dvec3(values[0], values[1], values[2]);
+  return scale * m;
 }
 
-shared::CompositeObject compositeObject(const AtlasEntry& entry, const glm::dmat4& worldFromLocal, const GlobalGrid& grid) {
-  shared::CompositeObject object{};
-  const glm::dmat3 globalFromVoxel = glm::dmat3(worldFromLocal) * (entry.voxelSize / grid.voxelSize);
-  const glm::dvec3 first = (glm::dvec3(worldFromLocal * glm::dvec4(entry.origin, 1.0)) - centre(grid)) / grid.voxelSize;
-  const double farthest = std::max({std::abs(first.x), std::abs(first.y), std::abs(first.z)});
-  if (!(largestMagnitude(globalFromVoxel) < kLargestCoordinate) || !(farthest < kLargestCoordinate)) return object;
-  const double sigmaMin = singularValues(globalFromVoxel).z;
-  if (!(sigmaMin * kLargestCoordinate > 1.0)) return object;
+glm::dvec3 singularValues(const glm::dmat3& matrix) {
+  const glm::dmat3 m = orthogonalColumns(matrix);
+  std::array<double, 3> values{glm::length(m[0]), glm::length(m[1]), glm::length(m[2])};
+  std::sort(values.begin(), values.end(), std::greater<>());
+  return {values[0], values[1], values[2]};
+}
 
-  const glm::dmat3 voxelFromGlobal = glm::inverse(globalFromVoxel);
-  const glm::dvec3 shift = -(voxelFromGlobal * first);
-  if (!(largestMagnitude({shift, glm::dvec3(0.0), glm::dvec3(0.0)}) < kLargestCoordinate)) return object;
+PlacedObject placeObject(const Box& box, const glm::dmat4& worldFromUnits, const GlobalGrid& grid) {
+  PlacedObject placed;
+  const glm::dmat3 globalFromUnits = glm::dmat3(worldFromUnits) / grid.voxelSize;
+  const glm::dvec3 origin = (glm::dvec3(worldFromUnits[3]) - centre(grid)) / grid.voxelSize;
+  if (!(largestMagnitude(globalFromUnits) < kLargestCoordinate) || !(largestOf(origin) < kLargestCoordinate)) return placed;
+  placed.sigmaMin = singularValues(globalFromUnits).z;
+  if (!(placed.sigmaMin * kLargestCoordinate > 1.0)) return placed;
+  const glm::dmat3 unitsFromGlobal = glm::inverse(globalFromUnits);
+  const glm::dvec3 shift = -(unitsFromGlobal * origin);
+  if (!(largestOf(shift) < kLargestCoordinate)) return placed;
+
   const auto row = [&](int r) {
-    return glm::vec4(glm::dvec4(voxelFromGlobal[0][r], voxelFromGlobal[1][r], voxelFromGlobal[2][r], shift[r]));
+    return glm::vec4(glm::dvec4(unitsFromGlobal[0][r], unitsFromGlobal[1][r], unitsFromGlobal[2][r], shift[r]));
   };
+  shared::CompositeObject& object = placed.object;
   object.rowX = row(0);
   object.rowY = row(1);
   object.rowZ = row(2);
-  glm::dvec3 gapScale(sigmaMin);
-  if (orthogonalColumns(globalFromVoxel))
-    gapScale = {glm::length(globalFromVoxel[0]), glm::length(globalFromVoxel[1]), glm::length(globalFromVoxel[2])};
-  object.axisScale = glm::vec4(glm::dvec4(gapScale, sigmaMin));
-  object.firstTexel = glm::vec4(glm::vec3(entry.offset) + 0.5f, static_cast<float>(sigmaMin * entry.lowestBorder));
-  object.lastSample = glm::vec4(glm::vec3(entry.size - 1), entry.lipschitz);
-  const glm::dvec3 spread = globalFromVoxel * glm::dvec3(entry.size);
-  const double magnitude = 0.5 * glm::length(glm::dvec3(grid.size)) + glm::length(first) + glm::length(spread);
-  object.slack = static_cast<float>(slackOf(entry, sigmaMin, magnitude));
+  glm::dvec3 gapScale(placed.sigmaMin);
+  if (hasOrthogonalColumns(globalFromUnits))
+    gapScale = {glm::length(globalFromUnits[0]), glm::length(globalFromUnits[1]), glm::length(globalFromUnits[2])};
+  object.axisScale = glm::vec4(glm::dvec4(gapScale, placed.sigmaMin));
+  object.boxMin = glm::vec4(glm::vec3(box.min), 0.0f);
+  object.boxMax = glm::vec4(glm::vec3(box.max), 1.0f);
   object.present = 1;
+  const glm::dvec3 middle = globalFromUnits * centre(box);
+  const glm::dvec3 spread = globalFromUnits * extent(box);
+  const double magnitude = 0.5 * glm::length(glm::dvec3(grid.size)) + glm::length(origin) + glm::length(middle) + glm::length(spread);
+  placed.rounding = std::sqrt(3.0) * 0x1p-21 * magnitude;
+  return placed;
+}
+
+shared::CompositeObject compositeObject(const AtlasEntry& entry, const glm::dmat4& worldFromLocal, const GlobalGrid& grid) {
+  glm::dmat4 worldFromVoxel = worldFromLocal;
+  for (int axis = 0; axis < 3; ++axis) worldFromVoxel[axis] *= entry.voxelSize;
+  worldFromVoxel[3] = worldFromLocal * glm::dvec4(entry.origin, 1.0);
+  PlacedObject placed = placeObject({glm::dvec3(0.0), glm::dvec3(entry.size - 1)}, worldFromVoxel, grid);
+  shared::CompositeObject& object = placed.object;
+  if (object.present == 0) return object;
+  object.kind = shared::kKindVolume;
+  object.parameters = glm::vec4(glm::vec3(entry.offset) + 0.5f, 0.0f);
+  object.boxMin.w = static_cast<float>(placed.sigmaMin * entry.lowestBorder);
+  object.boxMax.w = entry.lipschitz;
+  // Filter weights may have 8 bits: each axis is off by at most 1/256 of a voxel, so the value by sqrt(3) / 256 times the slope.
+  const double filtering = std::sqrt(3.0) / 256.0 * placed.sigmaMin;
+  object.slack = static_cast<float>(2.0 * (filtering + placed.rounding) * entry.lipschitz);
   return object;
+}
+
+shared::CompositeObject compositeObject(const Primitive& primitive, const glm::dmat4& worldFromLocal, const GlobalGrid& grid) {
+  glm::dmat4 worldFromUnits = worldFromLocal * glm::mat4_cast(primitive.rotation);
+  worldFromUnits[3] = worldFromLocal * glm::dvec4(primitive.centre, 1.0);
+  glm::dmat3 columns = glm::dmat3(worldFromUnits);
+  for (int axis = 0; axis < 3; ++axis) columns[axis] *= primitive.halfExtents[axis];
+  if (!(largestMagnitude(columns) / grid.voxelSize < kLargestCoordinate)) return {};
+  const bool ellipsoid = primitive.shape == PrimitiveShape::ellipsoid;
+  if (ellipsoid) columns = orthogonalColumns(columns);
+  glm::dvec3 half = primitive.halfExtents;
+  if (ellipsoid || hasOrthogonalColumns(columns)) {
+    glm::dmat3 frame;
+    half = splitColumns(columns, frame) / grid.voxelSize;
+    worldFromUnits = glm::dmat4(frame * grid.voxelSize);
+    worldFromUnits[3] = worldFromLocal * glm::dvec4(primitive.centre, 1.0);
+  }
+  const double largest = largestOf(half);
+  half = glm::max(half, glm::dvec3(kThinnestPrimitive * largest));  // thinner than single floats can follow
+  const double smallest = std::min({half.x, half.y, half.z});
+  PlacedObject placed = placeObject({-half, half}, worldFromUnits, grid);
+  if (placed.object.present == 0) return {};
+  placed.object.kind = ellipsoid ? shared::kKindEllipsoid : shared::kKindCuboid;
+  placed.object.parameters = glm::vec4(glm::dvec4(half, smallest));
+  const double solving = ellipsoid ? static_cast<double>(shared::kEllipsoidError) * largest : 0.0;
+  placed.object.slack = static_cast<float>(2.0 * (solving + placed.rounding));
+  return placed.object;
 }
 
 }  // namespace overcast

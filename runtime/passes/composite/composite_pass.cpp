@@ -78,11 +78,11 @@ Result<Done> makeVolume(const Device& device, CompositePass& pass) {
   });
 }
 
-Result<Done> makePipelines(const Device& device, const Atlas& atlas, CompositePass& pass) {
+Result<Done> makePipelines(const Device& device, const AssetStore& store, CompositePass& pass) {
   const std::vector<Binding> bindings{{0, VK_DESCRIPTOR_TYPE_STORAGE_BUFFER},         {1, VK_DESCRIPTOR_TYPE_STORAGE_BUFFER},
                                       {2, VK_DESCRIPTOR_TYPE_STORAGE_BUFFER},         {3, VK_DESCRIPTOR_TYPE_STORAGE_BUFFER},
                                       {4, VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER}, {5, VK_DESCRIPTOR_TYPE_STORAGE_IMAGE},
-                                      {6, VK_DESCRIPTOR_TYPE_STORAGE_BUFFER}};
+                                      {6, VK_DESCRIPTOR_TYPE_STORAGE_BUFFER},         {7, VK_DESCRIPTOR_TYPE_STORAGE_BUFFER}};
   Shader composite{"runtime/passes/composite/composite.comp.glsl", {}};
   if (pass.method == CompositeMethod::bruteForce) composite.defines.push_back({"OVERCAST_BRUTE_FORCE", "1"});
   for (const auto& [pipeline, shader] :
@@ -99,9 +99,10 @@ Result<Done> makePipelines(const Device& device, const Atlas& atlas, CompositePa
   writeBuffer(device, pass.set, 1, pass.counts);
   writeBuffer(device, pass.set, 2, pass.lists);
   writeBuffer(device, pass.set, 3, pass.active);
-  writeSampledImage(device, pass.set, 4, atlas.image.view, atlas.sampler);
+  writeSampledImage(device, pass.set, 4, store.atlas.image.view, store.atlas.sampler);
   writeStorageImage(device, pass.set, 5, pass.volume.mipViews[0]);
   writeBuffer(device, pass.set, 6, pass.masks);
+  writeBuffer(device, pass.set, 7, store.fields);
   return Done{};
 }
 
@@ -132,17 +133,17 @@ void uploadObjects(VkCommandBuffer commands, const CompositePass& pass, const st
 
 }  // namespace
 
-Result<CompositePass> makeCompositePass(const Device& device, const GlobalGrid& grid, const Atlas& atlas, std::uint32_t objectCapacity,
+Result<CompositePass> makeCompositePass(const Device& device, const GlobalGrid& grid, const AssetStore& store, std::uint32_t objectCapacity,
                                         CompositeMethod method) {
   CompositePass pass;
   pass.grid = grid;
   pass.method = method;
   pass.objectCapacity = objectCapacity;
-  const VkExtent3D extent = atlas.image.extent;
+  const VkExtent3D extent = store.atlas.image.extent;
   pass.atlasTexel = 1.0f / glm::vec3(extent.width, extent.height, extent.depth);
   Result<Done> made = makeBuffers(device, pass);
   if (made) made = makeVolume(device, pass);
-  if (made) made = makePipelines(device, atlas, pass);
+  if (made) made = makePipelines(device, store, pass);
   if (made) return pass;
   destroyCompositePass(device, pass);
   return made.error();

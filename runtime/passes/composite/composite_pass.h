@@ -7,7 +7,7 @@
 
 #include <vulkan/vulkan.h>
 
-#include "runtime/atlas.h"
+#include "runtime/asset_store.h"
 #include "runtime/passes/composite/composite_object.h"
 #include "runtime/passes/composite/global_grid.h"
 #include "runtime/vulkan/device.h"
@@ -40,9 +40,9 @@ struct CompositePass {
   std::vector<shared::CompositeObject> previous;  ///< of the last recorded frame
 };
 
-/// A pass for at most `objectCapacity` objects whose volumes are in `atlas`, which must outlive it. Waits for the device once. An Error
+/// A pass for at most `objectCapacity` objects whose assets are in `store`, which must outlive it. Waits for the device once. An Error
 /// when the device has no room or the grid is larger than its 3D images.
-Result<CompositePass> makeCompositePass(const Device& device, const GlobalGrid& grid, const Atlas& atlas, std::uint32_t objectCapacity,
+Result<CompositePass> makeCompositePass(const Device& device, const GlobalGrid& grid, const AssetStore& store, std::uint32_t objectCapacity,
                                         CompositeMethod method = CompositeMethod::culled);
 void destroyCompositePass(const Device& device, CompositePass& pass);
 

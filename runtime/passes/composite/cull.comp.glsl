@@ -39,10 +39,10 @@ uint buildList(vec3 centre) {
   for (uint i = 0u; i < uint(push.bricks.w); ++i) {
     CompositeObject object = objects[i];
     if (object.present == 0u) continue;
-    vec3 local = localSample(object, centre);
-    vec3 closest = closestSample(object, local);
+    vec3 local = localPoint(object, centre);
+    vec3 closest = closestInBox(object, local);
     // A bound that needs no texture: no point is nearer than the box, give or take what its border holds.
-    float atLeast = gapBeyondBox(object, local, closest) + object.firstTexel.w;
+    float atLeast = gapBeyondBox(object, local, closest) + object.boxMin.w;
     if (local != closest && atLeast - cullMargin(object, atLeast, kBrickRadius) > best) continue;
     float value = objectDistance(object, local);
     float margin = cullMargin(object, value, kBrickRadius);
@@ -62,7 +62,7 @@ uvec4 octantMask(vec3 centre, uint count) {
   best = 3.0e38f;
   for (uint n = 0u; n < count; ++n) {
     CompositeObject object = objects[lists[first + n].x];
-    float value = objectDistance(object, localSample(object, centre));
+    float value = objectDistance(object, localPoint(object, centre));
     float margin = cullMargin(object, value, kOctantRadius);
     best = min(best, value + margin);
     lists[first + n].y = floatBitsToUint(value - margin);

@@ -1,0 +1,42 @@
+// Asset: any baked representation, and where each kind is read, written and sampled. A kind lives in its own formats/<stem>.h; what
+// has to be said about it here is one line in the variant and one in asset.cpp.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <variant>
+
+#include "formats/occluder.h"
+#include "formats/primitive.h"
+#include "formats/result.h"
+#include "formats/volume.h"
+
+namespace overcast {
+
+using Asset = std::variant<Volume, Primitive>;
+
+Representation representationOf(const Asset& asset);
+
+/// The box within which the representation is defined, local space.
+Box bounds(const Asset& asset);
+
+/// The distance as the runtime evaluates it (in double), local units, at any finite point; beyond the asset's box continued as DESIGN 5.1
+/// says, continuous there.
+double sampleAsset(const Asset& asset, const glm::dvec3& point);
+
+/// A Lipschitz constant of sampleAsset over all of space.
+double lipschitzBound(const Asset& asset);
+
+/// Writes the asset as folder/<stem>.<its extension> (atomically; nothing for a primitive) and describes it: fills representation,
+/// uri, contentHash, bytes, bounds, lipschitz, a volume's signMethod and a primitive's numbers, and leaves the rest of `occluder` alone.
+/// `stem` may hold folders ("assets/bunny-0123"). Returns the bytes it costs on disk (kPrimitiveBytes for a primitive). `volumeBits` is
+/// for volumes alone. An Error when the disk fails or the values do not fit the format.
+Result<std::uint64_t> writeAsset(const std::filesystem::path& folder, const std::string& stem, const Asset& asset, Occluder& occluder,
+                                 VolumeBits volumeBits = VolumeBits::automatic);
+
+/// Reads what `occluder` names, relative to `folder`. An Error when the file lies outside the folder, is missing or broken, its content
+/// hash is not the stored one, or this program cannot read the representation.
+Result<Asset> readAsset(const std::filesystem::path& folder, const Occluder& occluder);
+
+}  // namespace overcast
