@@ -166,6 +166,30 @@ TEST(Distance, TrianglesFarSmallerAndFarLargerThanAVoxelMatchBruteForce) {
   EXPECT_LT(worstError(torus, gridAround(glm::dvec3(-1.4), glm::dvec3(1.4), 40)), kFloatUlps);
 }
 
+TEST(Distance, PointsOnTheLineOfADegenerateTriangleSeeBeyondIt) {
+  Mesh mesh;  // a segment, and a triangle whose nearest corner lies on the segment's line; grid points lie exactly on it
+  mesh.positions = {{0.0, 0.0, 0.0}, {1.0, 0.0, 0.0}, {0.25, 0.0, 0.0}, {4.0, 0.0, 0.0}, {4.5, 0.5, 0.0}, {4.5, 0.0, 0.5}};
+  mesh.triangles = {{0, 1, 2}, {3, 4, 5}};
+  const Grid grid{glm::ivec3(25, 5, 5), glm::dvec3(-1.0, -0.5, -0.5), 0.25};
+  EXPECT_LT(worstError(mesh, grid), kFloatUlps);
+}
+
+TEST(Distance, InsideOfALargeTriangleWinsOverANearVertex) {
+  Mesh mesh;  // the middle of an equilateral triangle is far from its corners; a tiny triangle hovers over it, nearer than these
+  mesh.positions = {{60.0, 0.0, 0.0}, {-30.0, 52.0, 0.0}, {-30.0, -52.0, 0.0}, {0.0, 0.0, 4.6}, {0.1, 0.0, 4.6}, {0.0, 0.1, 4.6}};
+  for (int i = 0; i < 40; ++i) {
+    const auto first = static_cast<unsigned>(mesh.positions.size());
+    const double side = 0.5 * i - 10.0;
+    for (const glm::dvec3& corner : {glm::dvec3(0.0), glm::dvec3(0.1, 0.0, 0.0), glm::dvec3(0.0, 0.1, 0.0)}) {
+      mesh.positions.push_back(glm::dvec3(side, 0.3 * side, 4.6) + corner);
+    }
+    mesh.triangles.push_back({first, first + 1, first + 2});
+  }
+  mesh.triangles.push_back({0, 1, 2});
+  mesh.triangles.push_back({3, 4, 5});
+  EXPECT_LT(worstError(mesh, {glm::ivec3(41, 41, 12), glm::dvec3(-20.0, -20.0, -3.0), 1.0}), kFloatUlps);
+}
+
 TEST(Distance, TrianglesThatMakeADeepTreeMatchBruteForce) {
   Mesh mesh;
   for (unsigned i = 0; i < 900; ++i) {  // each a bit smaller and nearer to the origin: splits by area would peel off one by one
