@@ -18,13 +18,14 @@ constexpr double kRounding = 0x1p-23;  // twice what rounding to float can lose,
 /// What a tree is made of.
 struct Source {
   const Mesh& mesh;
-  const Grid& grid;
+  glm::dvec3 origin;
+  double voxelsPerUnit;
   std::vector<glm::vec3> positions;  // of the mesh, in voxels
   BinaryTree binary;
 };
 
-glm::dvec3 inVoxels(const Grid& grid, const glm::dvec3& position) {
-  return (position - grid.origin) / grid.voxelSize;
+glm::dvec3 inVoxels(const Source& source, const glm::dvec3& position) {
+  return (position - source.origin) * source.voxelsPerUnit;
 }
 
 /// Opens the largest children of `index` until there are kTreeWidth or only leaves.
@@ -105,11 +106,11 @@ double makeTriangle(const std::array<glm::dvec3, 3>& corners, TreeTriangle& out)
   const double base = std::sqrt(length2[longest]);
   const glm::dvec3 a = corners[longest];
   const glm::dvec3 ac = -edges[last];
-  const glm::dvec3 u = base > 0.0 ? edges[longest] / base : glm::dvec3(1.0, 0.0, 0.0);
+  const glm::dvec3 u = base > 0.0 ? edges[longest] * (1.0 / base) : glm::dvec3(1.0, 0.0, 0.0);
   const glm::dvec3 normal = glm::cross(u, ac);
   const double height = glm::length(normal);
   const bool degenerate = !(height > 1e-9 * base);
-  const glm::dvec3 w = degenerate ? perpendicularTo(u) : normal / height;
+  const glm::dvec3 w = degenerate ? perpendicularTo(u) : normal * (1.0 / height);
   store(out.a, a);
   store(out.aRest, a - glm::dvec3(out.a[0], out.a[1], out.a[2]));
   store(out.u, u);
@@ -129,8 +130,8 @@ double makeTriangle(const std::array<glm::dvec3, 3>& corners, TreeTriangle& out)
   const glm::dvec2 c(glm::dot(ac, u), height);
   const double length1 = std::sqrt(length2[next]);
   const double lengthC = std::sqrt(length2[last]);
-  const glm::dvec2 along1 = (c - glm::dvec2(base, 0.0)) / length1;
-  const glm::dvec2 along2 = c / lengthC;
+  const glm::dvec2 along1 = (c - glm::dvec2(base, 0.0)) * (1.0 / length1);
+  const glm::dvec2 along2 = c * (1.0 / lengthC);
   out.length1 = static_cast<float>(length1);
   out.length2 = static_cast<float>(lengthC);
   out.along1[0] = static_cast<float>(along1.x);
@@ -152,7 +153,7 @@ void fillLeaf(const Source& source, const BinaryNode& range, Tree& tree, TreeLea
     std::array<std::size_t, 3> places;
     for (std::size_t k = 0; k < 3; ++k) {
       const std::uint32_t vertex = vertices[static_cast<int>(k)];
-      corners[k] = inVoxels(source.grid, source.mesh.positions[vertex]);
+      corners[k] = inVoxels(source, source.mesh.positions[vertex]);
       places[k] = source.binary.places[range.first + i] >> (4 * k) & (kTreeWidth - 1);
       leaf.corners[i] |= 1u << places[k];
       for (int axis = 0; axis < 3; ++axis) leaf.vertex[axis][places[k]] = source.positions[vertex][axis];
@@ -175,8 +176,9 @@ double reachOf(const BinaryNode& root, const Grid& grid) {
 }  // namespace
 
 Tree buildTree(const Mesh& mesh, const Grid& grid) {
-  Source source{mesh, grid, std::vector<glm::vec3>(mesh.positions.size()), {}};
-  tbb::parallel_for(std::size_t{0}, mesh.positions.size(), [&](std::size_t i) { source.positions[i] = inVoxels(grid, mesh.positions[i]); });
+  Source source{mesh, grid.origin, 1.0 / grid.voxelSize, std::vector<glm::vec3>(mesh.positions.size()), {}};
+  tbb::parallel_for(std::size_t{0}, mesh.positions.size(),
+                    [&](std::size_t i) { source.positions[i] = inVoxels(source, mesh.positions[i]); });
   source.binary = buildBinaryTree(source.positions, mesh.triangles);
   const double reach = reachOf(source.binary.nodes[0], grid);
   OVERCAST_REQUIRE(reach < 1e12, "mesh reaches {} voxels from the grid's origin", reach);
