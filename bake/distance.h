@@ -31,7 +31,7 @@ struct DistanceCost {
   std::uint64_t nodes = 0;      ///< inner nodes of the tree that packets visited
   std::uint64_t leaves = 0;     ///< leaves, each of up to 16 triangles
   std::uint64_t vertices = 0;   ///< vertices tested against the samples of a packet
-  std::uint64_t triangles = 0;  ///< triangles tested against all samples of a packet
+  std::uint64_t triangles = 0;  ///< triangles tested against some of the samples of a packet
 };
 
 /// |phi| at every grid point, x fastest. Exact closest point on the triangles (degenerate ones count as their segment or point), relative

@@ -13,8 +13,9 @@ constexpr int kSlice = kBlock * kBlock;
 constexpr int kVectors = kBlockSamples / kLanes;  // of one block
 constexpr int kSliceVectors = kSlice / kLanes;    // of one slice z = const
 constexpr float kHalf = 0.5f * (kBlock - 1);      // half extent of a block's samples about its centre
-constexpr int kStack = 1024;                      // (kTreeWidth - 1) times the depth of any tree, which is at most 30 + 31
-constexpr float kRoundingOfSquares = 1e-6f;       // relative, several times what a squared distance can lose
+constexpr Mask kAllSlices = (1u << kBlock) - 1;
+constexpr int kStack = 1024;                 // (kTreeWidth - 1) times the depth of any tree, which is at most 30 + 31
+constexpr float kRoundingOfSquares = 1e-6f;  // relative, several times what a squared distance can lose
 
 /// Offsets of a slice's samples from the block's centre.
 alignas(64) constexpr float kOffsetX[kSlice] = {-1.5f, -0.5f, 0.5f, 1.5f, -1.5f, -0.5f, 0.5f, 1.5f,
@@ -214,8 +215,8 @@ static Mask openChildren(const Block& block, const TreeNode& node) {
   return open;
 }
 
-/// Tests one triangle against every sample.
-static void testTriangle(Block& block, std::int32_t index) {
+/// Tests one triangle against the samples of those vectors that `vectors` names (bits part * kBlock + slice).
+static void testTriangle(Block& block, std::int32_t index, Mask vectors) {
   const TreeTriangle& t = block.scene.triangles[index];
   float a[3];
   for (int axis = 0; axis < 3; ++axis) a[axis] = (t.a[axis] - block.centre[axis]) + t.aRest[axis];
@@ -227,12 +228,15 @@ static void testTriangle(Block& block, std::int32_t index) {
   const Floats vz = all(t.v[2]);
   const Floats wz = all(t.w[2]);
   for (int part = 0; part < kSliceVectors; ++part) {
+    Mask slices = vectors >> (part * kBlock) & kAllSlices;
+    if (slices == 0) continue;
     const Floats px = load(kOffsetX + part * kLanes);
     const Floats py = load(kOffsetY + part * kLanes);
     const Floats uStart = multiplyAdd(px, all(t.u[0]), multiplyAdd(py, all(t.u[1]), all(u0)));
     const Floats vStart = multiplyAdd(px, all(t.v[0]), multiplyAdd(py, all(t.v[1]), all(v0)));
     const Floats wStart = multiplyAdd(px, all(t.w[0]), multiplyAdd(py, all(t.w[1]), all(w0)));
-    for (int slice = 0; slice < kBlock; ++slice) {
+    for (; slices != 0; slices &= slices - 1) {
+      const int slice = __builtin_ctz(slices);
       const Floats pz = all(kOffsetZ[slice]);
       const Floats u = multiplyAdd(pz, uz, uStart);
       const Floats v = multiplyAdd(pz, vz, vStart);
@@ -287,45 +291,51 @@ static Mask openVertices(const Block& block, const TreeLeaf& leaf, float (&relat
   return open;
 }
 
-/// Of the vertices `open`, those whose triangles may be nearer to some sample than what it has so far.
-static Mask closeVertices(Block& block, Mask open, const float (&relative)[3][kTreeWidth], const float (&reach)[kTreeWidth]) {
-  Mask close = 0;
+/// Of the vertices `open`, those whose triangles may be nearer to some sample than what it has so far, for every vector of samples
+/// (numbered part * kBlock + slice).
+static void closeVertices(Block& block, Mask open, const float (&relative)[3][kTreeWidth], const float (&reach)[kTreeWidth],
+                          Mask (&close)[kVectors]) {
+  for (Mask& ofVector : close) ofVector = 0;
   for (; open != 0; open &= open - 1) {
     const int i = __builtin_ctz(open);
     ++block.cost.vertices;
     const float vx = -2.0f * relative[0][i];
     const float vy = -2.0f * relative[1][i];
     const float vz = -2.0f * relative[2][i];
-    Mask some = 0;
     for (int part = 0; part < kSliceVectors; ++part) {
       const Floats px = load(kOffsetX + part * kLanes);
       const Floats py = load(kOffsetY + part * kLanes);
       const Floats base = multiplyAdd(px, px + all(vx), multiplyAdd(py, py + all(vy), all(reach[i])));
-      Condition nearer = less(base, all(-3e38f));
       for (int slice = 0; slice < kBlock; ++slice) {
         const float z = kOffsetZ[slice];
         const Floats bound = base + all(z * (z + vz));
-        nearer = nearer | less(bound, load(block.squared + (slice * kSliceVectors + part) * kLanes));
+        const Condition nearer = less(bound, load(block.squared + (slice * kSliceVectors + part) * kLanes));
+        close[part * kBlock + slice] |= static_cast<Mask>(any(nearer)) << i;
       }
-      some |= bits(nearer);
     }
-    if (some != 0) close |= Mask{1} << i;
   }
-  return close;
 }
 
 static void testLeaf(Block& block, const TreeLeaf& leaf) {
   alignas(64) float relative[3][kTreeWidth];
   alignas(64) float reach[kTreeWidth];
+  Mask vertices[kVectors];
+  Mask triangles[kVectors];
   ++block.cost.leaves;
-  Mask vertices = openVertices(block, leaf, relative, reach);
-  if (vertices == 0) return;
-  vertices = closeVertices(block, vertices, relative, reach);
-  if (vertices == 0) return;
-  Mask triangles = 0;
-  for (int i = 0; i < kTreeWidth; i += kLanes) triangles |= sharingBits(leaf.corners + i, vertices) << i;
-  for (; triangles != 0; triangles &= triangles - 1) {
-    testTriangle(block, static_cast<std::int32_t>(leaf.firstTriangle) + __builtin_ctz(triangles));
+  const Mask open = openVertices(block, leaf, relative, reach);
+  if (open == 0) return;
+  closeVertices(block, open, relative, reach, vertices);
+  Mask some = 0;
+  for (int v = 0; v < kVectors; ++v) {
+    triangles[v] = 0;
+    for (int i = 0; i < kTreeWidth; i += kLanes) triangles[v] |= sharingBits(leaf.corners + i, vertices[v]) << i;
+    some |= triangles[v];
+  }
+  for (; some != 0; some &= some - 1) {
+    const int i = __builtin_ctz(some);
+    Mask vectors = 0;
+    for (int v = 0; v < kVectors; ++v) vectors |= (triangles[v] >> i & 1u) << v;
+    testTriangle(block, static_cast<std::int32_t>(leaf.firstTriangle) + i, vectors);
   }
 }
 
