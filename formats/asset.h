@@ -25,7 +25,7 @@ Box bounds(const Asset& asset);
 /// says, continuous there.
 double sampleAsset(const Asset& asset, const glm::dvec3& point);
 
-/// A Lipschitz constant of sampleAsset over all of space.
+/// A Lipschitz constant over all of space of sampleAsset, or of its lower bound beyond the box (volume.h).
 double lipschitzBound(const Asset& asset);
 
 /// Writes the asset as folder/<stem>.<its extension> (atomically; nothing for a primitive) and describes it: fills representation,

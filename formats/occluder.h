@@ -34,7 +34,7 @@ struct Occluder {
   std::optional<Primitive> primitive;     ///< exactly when the representation is primitive
   Box bounds;                             ///< box within which the representation is defined
   double influenceRadius = 0.0;           ///< distance beyond the bounds up to which it is meant to occlude
-  double lipschitz = 1.7320508075688772;  ///< bound on |grad phi| of what the runtime evaluates; culling uses it
+  double lipschitz = 1.7320508075688772;  ///< bound on |grad phi| of the runtime's distance or lower bound of it; culling uses it
   std::string signMethod;                 ///< bake/sign.h
   MeasuredError error;
   std::string source;        ///< file name (no folder) and mesh it was baked from

@@ -77,8 +77,13 @@ double sampleVolume(const Volume& volume, const glm::dvec3& point) {
   const glm::dvec3 q = glm::clamp(u, glm::dvec3(0.0), glm::dvec3(volume.size - 1));
   const double phi = interpolate(volume, q);
   if (u == q) return phi;
-  const double beyond = glm::length(u - q) * volume.voxelSize;
-  return phi < 0.0 ? beyond + phi : std::hypot(beyond, phi);
+  const glm::dvec3 beyond = u - q;
+  const double gap = glm::length(beyond) * volume.voxelSize;
+  if (phi < 0.0) return gap + phi;
+  const glm::dvec3 step = beyond / std::max({std::abs(beyond.x), std::abs(beyond.y), std::abs(beyond.z)});
+  const double slope = (phi - interpolate(volume, q - step)) / (glm::length(step) * volume.voxelSize);
+  const double cosine = std::clamp(slope, 0.0, 1.0);
+  return std::hypot(gap + cosine * phi, std::sqrt(1.0 - cosine * cosine) * phi);
 }
 
 double lipschitzBound(const Volume& volume) {

@@ -37,15 +37,19 @@ bool isWhole(const Volume& volume);
 /// The box spanned by the outermost samples.
 Box bounds(const Volume& volume);
 
-/// Trilinear interpolation at `point` (local space, finite). Outside the box of samples, with q the closest point of the box:
-/// sqrt(|p - q|^2 + phi(q)^2) where phi(q) >= 0, the lower bound of DESIGN 5.1; |p - q| + phi(q) where phi(q) < 0 (the inside of an open
-/// mesh may reach the border). Continuous everywhere.
+/// Trilinear interpolation at `point` (local space, finite). Outside the box of samples, with q the closest point of the box and g the gap
+/// |p - q|: sqrt(g^2 + phi(q)^2 + 2 g phi(q) c) where phi(q) >= 0. c is the slope of phi at q towards p, the difference over one sample
+/// (along the longest component of p - q) inwards, clamped to 0 .. 1: the closest point lies at phi from q against the gradient, so that
+/// above a plane the distance is exact. c = 0 and c = 1 are the lower and the upper bound of DESIGN 5.1. g + phi(q) where phi(q) < 0 (the
+/// inside of an open mesh may reach the border). Continuous everywhere.
 double sampleVolume(const Volume& volume, const glm::dvec3& point);
 
-/// A Lipschitz constant of sampleVolume over all of space, outside the box too; the composite's culling margin uses it (DESIGN 5.2).
+/// A Lipschitz constant over all of space of sampleVolume's lower bound: sampleVolume itself within the box, c = 0 beyond it, where c's own
+/// slope has no useful bound. The composite's culling margin uses it (DESIGN 5.2); the upper bound, c = 1, has sqrt(1 + L^2).
 /// Within a cell the gradient's components are bounded by the cell's largest edge difference along each axis; L is the largest Euclidean
 /// norm of these three over all cells, at most sqrt(3) for exact distances. Outside the box the gradient joins 1 along p - q with the one
-/// at q: max(1, L) suffices where phi(q) >= 0, sqrt(1 + L^2) is needed when a sample of the border is negative. Never below 1.
+/// at q, at a right angle: max(1, L) suffices where phi(q) >= 0, sqrt(1 + L^2) is needed when a sample of the border is negative. Never
+/// below 1.
 double lipschitzBound(const Volume& volume);
 
 /// Precision of the values on disk.

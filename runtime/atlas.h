@@ -43,7 +43,7 @@ struct AtlasEntry {
   glm::ivec3 size{0};         ///< samples
   glm::dvec3 origin{0.0};     ///< local-space position of the first sample
   double voxelSize = 0.0;     ///< local units
-  float lipschitz = 1.0f;     ///< lipschitzBound() of the values as stored, extended beyond the box as objectDistance does
+  float lipschitz = 1.0f;     ///< lipschitzBound() of the values as stored
   float lowestBorder = 0.0f;  ///< smallest stored value on the border of the box in local voxels, or 0 when that is positive
 };
 

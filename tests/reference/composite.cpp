@@ -17,7 +17,7 @@ struct Lerp {
 };
 
 Lerp lerpAt(double u, int samples) {
-  const int cell = std::min(static_cast<int>(std::floor(u)), samples - 2);
+  const int cell = std::min(std::max(static_cast<int>(std::floor(u)), 0), samples - 2);
   return {cell, u - cell};
 }
 
@@ -86,7 +86,13 @@ double objectDistance(const PlacedVolume& object, const glm::dvec3& point) {
   const glm::dvec3 beyond = local - q;
   const double gap = object.keepsCuboids ? glm::length(glm::dmat3(object.worldFromLocal) * beyond) : object.sigmaMin * glm::length(beyond);
   if (gap == 0.0) return phi;
-  return phi >= 0.0 ? std::sqrt(gap * gap + phi * phi) : gap + phi;
+  if (phi < 0.0) return gap + phi;
+  const double reach = std::max(std::abs(beyond.x), std::max(std::abs(beyond.y), std::abs(beyond.z)));
+  const glm::dvec3 inwards = q - beyond * (volume.voxelSize / reach);
+  const double inner = object.sigmaMin * interpolated(volume, (inwards - low) / volume.voxelSize);
+  const double walked = gap * volume.voxelSize / reach;
+  const double slope = std::min(std::max((phi - inner) / walked, 0.0), 1.0);
+  return std::sqrt(gap * gap + phi * phi + 2.0 * gap * phi * slope);
 }
 
 double compositeDistance(const std::vector<PlacedVolume>& objects, const glm::dvec3& point, double farAway) {

@@ -28,7 +28,8 @@ PlacedVolume place(const Volume& volume, const glm::dmat4& worldFromLocal);
 
 /// Distance of one object at a world-space point by DESIGN 5.1 (trilinear inside the box of samples; beyond it, with q the closest point of
 /// the box in the object's own axes, the gap |p - q| measured in the world when the box stays a cuboid, else in local space, and everything
-/// local times the smallest singular value), metres.
+/// local times the smallest singular value; where phi(q) >= 0 the closest surface point is taken to lie phi(q) from q at the angle whose
+/// cosine is phi's slope towards p, a difference over one sample inwards, clamped to 0 .. 1), metres.
 double objectDistance(const PlacedVolume& object, const glm::dvec3& point);
 
 /// Minimum over objects; `farAway` without any.

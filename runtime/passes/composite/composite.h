@@ -42,7 +42,7 @@ struct CompositeObject {
   vec4 rowZ;        //  32
   vec4 axisScale;   //  48: global voxels per unit: xyz of gaps beyond the box along its axes, w of distances (sigma_min)
   vec4 boxMin;      //  64: xyz: lowest corner of the box, local; w: lowest distance on its border in global voxels, at most 0
-  vec4 boxMax;      //  80: xyz: highest corner; w: lipschitz bound of objectDistance, global voxel per global voxel
+  vec4 boxMax;      //  80: xyz: highest corner; w: lipschitz bound of the distance's lower bound, global voxel per global voxel
   vec4 parameters;  //  96: by kind
   vec4 more;        // 112: by kind
   uvec4 field;      // 128: by kind: where its texels are in the fields buffer (x: index of the first) and how many
@@ -77,19 +77,50 @@ OVERCAST_INLINE float gapBeyondBox(CompositeObject object, vec3 local, vec3 clos
   return sqrt(squared);
 }
 
-/// Signed distance from a point `gap` beyond the box whose closest point of the box has the distance `phi` (DESIGN 5.1), all in global
-/// voxels. Continuous at the box and at phi = 0.
-OVERCAST_INLINE float extendedDistance(float phi, float gap) {
-  OVERCAST_PRECISE float outside = sqrt(gap * gap + phi * phi);
-  OVERCAST_PRECISE float inside = gap + phi;
-  return gap > 0.0f ? (phi < 0.0f ? inside : outside) : phi;
+/// From the box towards a point beyond it: along the direction in which `local` sees `closest`, one unit along its longest component.
+OVERCAST_INLINE vec3 outwardStep(vec3 local, vec3 closest) {
+  OVERCAST_PRECISE vec3 beyond = local - closest;
+  float longest = max(abs(beyond.x), max(abs(beyond.y), abs(beyond.z)));
+  OVERCAST_PRECISE vec3 direction = beyond / longest;
+  return direction;
 }
 
-/// How far any value of the object within `radius` voxels can be from `value`, taken at the centre: the Lipschitz bound over the radius
-/// and what two evaluations may be off. Keep i only if value_i - margin_i <= min over j of (value_j + margin_j).
-OVERCAST_INLINE float cullMargin(CompositeObject object, float value, float radius) {
+/// Derivative of the distance along a step that brings it from `inner` to `phi` (global voxels), the step as it is in global voxels.
+OVERCAST_INLINE float slopeAlong(CompositeObject object, vec3 direction, float inner, float phi) {
+  OVERCAST_PRECISE vec3 step = direction * vec3(object.axisScale);
+  OVERCAST_PRECISE float squared = dot(step, step);
+  OVERCAST_PRECISE float slope = (phi - inner) / sqrt(squared);
+  return slope;
+}
+
+/// Signed distance from a point `gap` beyond the box whose closest point of the box has the distance `phi`, all in global voxels, when phi
+/// grows by `slope` towards the point. The surface lies at phi from the box along its gradient: by the law of cosines
+/// sqrt(gap^2 + phi^2 + 2 gap phi slope). Between the bounds of DESIGN 5.1, which slopes of 0 (the lower) and 1 (gap + phi) give.
+/// Continuous at the box and at phi = 0.
+OVERCAST_INLINE float extendedDistance(float phi, float gap, float slope) {
+  OVERCAST_PRECISE float squared = gap * gap + phi * phi + 2.0f * gap * phi * clamp(slope, 0.0f, 1.0f);
+  OVERCAST_PRECISE float inside = gap + phi;
+  return gap > 0.0f ? (phi < 0.0f ? inside : sqrt(squared)) : phi;
+}
+
+/// Whether the object's distance is known everywhere, not only within its box.
+OVERCAST_INLINE bool exactEverywhere(CompositeObject object) {
+  return object.kind == kKindCuboid || object.kind == kKindEllipsoid;
+}
+
+/// What `lower`, a lower bound of the object's distance at the centre, has to lose to be one everywhere within `radius` voxels: the
+/// Lipschitz bound over the radius and what two evaluations may be off.
+OVERCAST_INLINE float lowerMargin(CompositeObject object, float lower, float radius) {
   float reach = object.boxMax.w * radius;
-  return reach + object.slack + kRelativeSlack * (abs(value) + reach);
+  return reach + object.slack + kRelativeSlack * (abs(lower) + reach);
+}
+
+/// What `upper` has to gain to be an upper bound everywhere within `radius` voxels. Beyond the box gap + phi grows by 1 along the gap and
+/// at a right angle to it by the slope of phi. Keep object i only if lower_i - margin_i <= min over j of (upper_j + margin_j).
+OVERCAST_INLINE float upperMargin(CompositeObject object, float upper, float radius) {
+  float slope = object.boxMax.w;
+  float reach = (exactEverywhere(object) ? slope : sqrt(1.0f + slope * slope)) * radius;
+  return reach + object.slack + kRelativeSlack * (abs(upper) + reach);
 }
 
 OVERCAST_SHARED_END

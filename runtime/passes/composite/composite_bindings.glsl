@@ -42,15 +42,33 @@ float boxedDistance(CompositeObject object, vec3 local) {
   return volumeDistance(object, local);
 }
 
+float exactDistance(CompositeObject object, vec3 local) {
+  precise float exact = primitiveDistance(object, local) * object.axisScale.w;
+  return exact;
+}
+
 // Signed distance in global voxels of the object whose local coordinates are `local` (beyond its box too).
 float objectDistance(CompositeObject object, vec3 local) {
-  if (object.kind == kKindCuboid || object.kind == kKindEllipsoid) {
-    precise float exact = primitiveDistance(object, local) * object.axisScale.w;
-    return exact;
-  }
+  if (exactEverywhere(object)) return exactDistance(object, local);
   vec3 closest = closestInBox(object, local);
   precise float phi = boxedDistance(object, closest) * object.axisScale.w;
-  return extendedDistance(phi, gapBeyondBox(object, local, closest));
+  float gap = gapBeyondBox(object, local, closest);
+  float slope = 0.0f;
+  if (object.kind == kKindVolume && gap > 0.0f && phi > 0.0f) {
+    vec3 direction = outwardStep(local, closest);
+    precise float inner = boxedDistance(object, closest - direction) * object.axisScale.w;
+    slope = slopeAlong(object, direction, inner, phi);
+  }
+  return extendedDistance(phi, gap, slope);
+}
+
+// A lower and an upper bound of objectDistance, whose growth is bounded (lowerMargin, upperMargin).
+vec2 objectRange(CompositeObject object, vec3 local) {
+  if (exactEverywhere(object)) return vec2(exactDistance(object, local));
+  vec3 closest = closestInBox(object, local);
+  precise float phi = boxedDistance(object, closest) * object.axisScale.w;
+  float gap = gapBeyondBox(object, local, closest);
+  return vec2(extendedDistance(phi, gap, 0.0f), gap + phi);
 }
 
 ivec3 brickPosition(uint brick) {

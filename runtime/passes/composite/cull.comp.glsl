@@ -43,11 +43,10 @@ uint buildList(vec3 centre) {
     vec3 closest = closestInBox(object, local);
     // A bound that needs no texture: no point is nearer than the box, give or take what its border holds.
     float atLeast = gapBeyondBox(object, local, closest) + object.boxMin.w;
-    if (local != closest && atLeast - cullMargin(object, atLeast, kBrickRadius) > best) continue;
-    float value = objectDistance(object, local);
-    float margin = cullMargin(object, value, kBrickRadius);
-    best = min(best, value + margin);
-    float lower = value - margin;
+    if (local != closest && atLeast - lowerMargin(object, atLeast, kBrickRadius) > best) continue;
+    vec2 range = objectRange(object, local);
+    best = min(best, range.y + upperMargin(object, range.y, kBrickRadius));
+    float lower = range.x - lowerMargin(object, range.x, kBrickRadius);
     if (lower > best) continue;
     if (length == uint(kBrickCapacity)) length = compact(length);
     if (length == uint(kBrickCapacity)) return kBrickOverflow;
@@ -62,10 +61,9 @@ uvec4 octantMask(vec3 centre, uint count) {
   best = 3.0e38f;
   for (uint n = 0u; n < count; ++n) {
     CompositeObject object = objects[lists[first + n].x];
-    float value = objectDistance(object, localPoint(object, centre));
-    float margin = cullMargin(object, value, kOctantRadius);
-    best = min(best, value + margin);
-    lists[first + n].y = floatBitsToUint(value - margin);
+    vec2 range = objectRange(object, localPoint(object, centre));
+    best = min(best, range.y + upperMargin(object, range.y, kOctantRadius));
+    lists[first + n].y = floatBitsToUint(range.x - lowerMargin(object, range.x, kOctantRadius));
   }
   uvec4 mask = uvec4(0u);
   for (uint n = 0u; n < count; ++n)
