@@ -4,6 +4,8 @@
 
 #include <ImfArray.h>
 #include <ImfChannelList.h>
+#include <ImfDoubleAttribute.h>
+#include <ImfEnvmap.h>
 #include <ImfFrameBuffer.h>
 #include <ImfHeader.h>
 #include <ImfIO.h>
@@ -11,8 +13,12 @@
 #include <ImfMultiPartInputFile.h>
 #include <ImfOutputFile.h>
 #include <ImfPartType.h>
+#include <ImfStandardAttributes.h>
+#include <ImfTiledInputPart.h>
+#include <ImfTiledOutputFile.h>
 
 #include "formats/files.h"
+#include "formats/image_mipmaps.h"
 #include "formats/image_parse.h"
 
 namespace overcast {
@@ -110,7 +116,92 @@ Result<Done> check(const Imf::MultiPartInputFile& input, const std::string& file
   return Done{};
 }
 
+constexpr unsigned kTileSide = 64;
+
+Imf::Header mipmapHeader(const MipmappedImage& image) {
+  const Image& finest = image.levels.front();
+  Imf::Header header(finest.width, finest.height);
+  header.compression() = Imf::ZIP_COMPRESSION;
+  header.setTileDescription(Imf::TileDescription(kTileSide, kTileSide, Imf::MIPMAP_LEVELS, Imf::ROUND_DOWN));
+  for (const std::string& name : finest.channels) header.channels().insert(name, Imf::Channel(Imf::HALF));
+  for (const auto& [name, value] : image.numbers) header.insert(name, Imf::DoubleAttribute(value));
+  if (image.cube) Imf::addEnvmap(header, Imf::ENVMAP_CUBE);
+  return header;
+}
+
+void readLevel(Imf::TiledInputPart& part, int level, Image& image) {
+  const Imath::Box2i window = part.dataWindowForLevel(level);
+  image.width = window.max.x - window.min.x + 1;
+  image.height = window.max.y - window.min.y + 1;
+  image.pixels.resize(static_cast<std::size_t>(image.width) * static_cast<std::size_t>(image.height) * image.channels.size());
+  part.setFrameBuffer(frameOver(image.pixels, image.channels, image.width, Imf::FLOAT, window));
+  part.readTiles(0, part.numXTiles(level) - 1, 0, part.numYTiles(level) - 1, level);
+}
+
 }  // namespace
+
+Result<std::uint64_t> writeMipmaps(const std::filesystem::path& path, const MipmappedImage& image) {
+  OVERCAST_REQUIRE(isWhole(image), "{} levels that are not a whole mipmapped image", image.levels.size());
+  MemoryOutput output;
+  {
+    Imf::TiledOutputFile file(output, mipmapHeader(image), 0);  // its destructor writes the table of offsets
+    for (int level = 0; level < file.numLevels(); ++level) {
+      const Image& pixels = image.levels[static_cast<std::size_t>(level)];
+      std::vector<Imath::half> halves(pixels.pixels.size());
+      std::transform(pixels.pixels.begin(), pixels.pixels.end(), halves.begin(), toHalf);
+      file.setFrameBuffer(frameOver(halves, pixels.channels, pixels.width, Imf::HALF, file.dataWindowForLevel(level)));
+      file.writeTiles(0, file.numXTiles(level) - 1, 0, file.numYTiles(level) - 1, level);
+    }
+  }
+  if (const auto written = writeFileAtomically(path, output.bytes); !written) return written.error();
+  return output.bytes.size();
+}
+
+Result<MipmappedImage> parseMipmaps(std::span<const std::byte> bytes, const std::string& file) {
+  try {
+    MemoryInput input(bytes);
+    Imf::MultiPartInputFile parts(input, 0);
+    if (const auto checked = check(parts, file); !checked) return checked.error();
+    const Imf::Header& header = parts.header(0);
+    if (!header.hasTileDescription() || header.tileDescription().mode != Imf::MIPMAP_LEVELS ||
+        header.tileDescription().roundingMode != Imf::ROUND_DOWN)
+      return Error{file, "", "has no mipmap levels that halve and round down"};
+    MipmappedImage image;
+    image.cube = Imf::hasEnvmap(header) && Imf::envmap(header) == Imf::ENVMAP_CUBE;
+    for (auto attribute = header.begin(); attribute != header.end(); ++attribute)
+      if (const auto* number = dynamic_cast<const Imf::DoubleAttribute*>(&attribute.attribute()); number != nullptr)
+        image.numbers[attribute.name()] = number->value();
+    Imf::TiledInputPart part(parts, 0);
+    image.levels.resize(static_cast<std::size_t>(part.numLevels()));
+    for (int level = 0; level < part.numLevels(); ++level) {
+      Image& pixels = image.levels[static_cast<std::size_t>(level)];
+      for (auto channel = header.channels().begin(); channel != header.channels().end(); ++channel)
+        pixels.channels.emplace_back(channel.name());
+      readLevel(part, level, pixels);
+    }
+    return image;
+  } catch (const std::bad_alloc&) {
+    throw;  // the sandbox says how much is allowed
+  } catch (const std::exception& failure) {
+    return Error{file, "", fmt::format("not a readable EXR file ({})", failure.what())};
+  }
+}
+
+std::vector<glm::dvec3> cubePixelDirections(int side) {
+  const Imath::Box2i window(Imath::V2i(0, 0), Imath::V2i(side - 1, 6 * side - 1));
+  std::vector<glm::dvec3> directions(6 * static_cast<std::size_t>(side) * static_cast<std::size_t>(side));
+  for (int face = 0; face < 6; ++face)
+    for (int j = 0; j < side; ++j)
+      for (int i = 0; i < side; ++i) {
+        const auto place = Imf::CubeMapFace(face);
+        const Imath::V2f inFace(static_cast<float>(i), static_cast<float>(j));
+        const Imath::V2f pixel = Imf::CubeMap::pixelPosition(place, window, inFace);
+        const Imath::V3f direction = Imf::CubeMap::direction(place, window, inFace);
+        const auto index = static_cast<std::size_t>(pixel.y) * static_cast<std::size_t>(side) + static_cast<std::size_t>(pixel.x);
+        directions[index] = {direction.x, direction.y, direction.z};
+      }
+  return directions;
+}
 
 Result<Image> parseExr(std::span<const std::byte> bytes, const std::string& file) {
   try {

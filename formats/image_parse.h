@@ -9,6 +9,8 @@
 #include <vector>
 
 #include "formats/image.h"
+#include "formats/image_mipmaps.h"
+#include "formats/packing.h"
 
 namespace overcast {
 
@@ -21,11 +23,20 @@ bool sidesFit(std::int64_t width, std::int64_t height);  ///< both within 1 .. k
 /// Sides fit, 1 .. kMaxImageChannels channels with distinct names that are not empty, and as many pixels as these say.
 bool isWhole(const Image& image);
 
+/// At least one level, each as mipmapLevels and MipmappedImage say.
+bool isWhole(const MipmappedImage& image);
+
 /// Turns the bytes of `file` into an image; runs in the sandbox.
 using ImageParser = Result<Image> (*)(std::span<const std::byte> bytes, const std::string& file);
 
 Result<Image> parsePng(std::span<const std::byte> bytes, const std::string& file);
 Result<Image> parseExr(std::span<const std::byte> bytes, const std::string& file);
+
+Result<MipmappedImage> parseMipmaps(std::span<const std::byte> bytes, const std::string& file);
+
+/// An image as bytes for the way out of the sandbox, and back; `image` is not checked.
+void packImage(std::vector<std::byte>& bytes, const Image& image);
+Image unpackImage(Unpacker& from);
 
 /// Reads `path` and runs `parser` on its bytes in a sandbox.
 Result<Image> parseImage(const std::filesystem::path& path, ImageParser parser);
