@@ -1,0 +1,99 @@
+// `radius`: a star shape as its radius over directions about a centre, |p - centre| = r(direction), on a cube map with mipmap levels
+// (DESIGN 4, 5.1 no. 4; Evans 2006, section 9.8). Stored as OpenEXR with the attribute `envmap` = cube.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <vector>
+
+#include <glm/vec3.hpp>
+
+#include "formats/mesh.h"
+#include "formats/result.h"
+
+namespace overcast {
+
+/// What is known of the surface around the direction of one texel, local units.
+struct RadiusTexel {
+  float mean = 0.0f;      ///< mean distance of the surface from the centre, positive
+  float variance = 0.0f;  ///< of that distance over the texel's footprint: second moment minus mean squared, kept apart from them because
+                          ///< their difference loses everything in half floats (PITFALLS "Numbers")
+  float falloff = 1.0f;   ///< 1 / sqrt(1 + s^2) in (0, 1], see derive; not stored
+};
+
+/// Six faces of side x side texels in the order and places of formats/shared/cube_map.h: texel[i + side * (j + side * face)]. Texels on
+/// edges and corners of the cube are the same on all faces that share them.
+struct RadiusLevel {
+  int side = 0;
+  std::vector<RadiusTexel> texel;
+  // Derived from the texels by derive(), not stored:
+  double smallest = 0.0;  ///< of the means
+  double largest = 0.0;
+  Box box;  ///< around the surface |p| = r(direction) as interpolated, about the centre, with a margin of kRadiusPadding of the largest
+            ///< radius
+};
+
+/// levels[0] has kSmallestRadiusSide .. kLargestRadiusSide texels along a face, a power of two, every next level half of it, the last 2.
+struct RadiusField {
+  glm::dvec3 centre{0.0};  ///< local space
+  std::vector<RadiusLevel> levels;
+};
+
+/// Place of texel (i, j) of a face, texels of six faces, and the direction of a texel (on the cube [-1, 1]^3, the same for shared texels).
+std::size_t texelIndex(int side, unsigned face, int i, int j);
+std::size_t texelCount(int side);
+glm::dvec3 texelDirection(int side, unsigned face, int i, int j);
+
+/// Of the texels that share the place nearest to `direction` the one that stands for all: that on the face that cubeFace names.
+std::size_t texelTowards(int side, const glm::dvec3& direction);
+
+/// Width of a texel around the unit vector `direction`, radians: the square root of the solid angle of a cell.
+double texelAngle(int side, const glm::dvec3& direction);
+
+inline constexpr int kRadiusVersion = 1;  ///< version of the .exr layout, stored as the attribute `overcast_version`
+inline constexpr int kSmallestRadiusSide = 8;
+inline constexpr int kLargestRadiusSide = 128;
+/// Up to this share of a level's smallest radius about the centre, the distance is drawn out linearly from its value at the centre: there
+/// directions turn too fast for the first-order formula.
+inline constexpr double kRadiusCore = 0.5;
+/// Largest ratio of largest to smallest radius: beyond it the centre is as good as on the surface.
+inline constexpr double kLargestRadiusRatio = 1e4;
+
+/// Sides and counts as above, means positive and finite within kLargestRadiusRatio, variances finite and not negative, falloffs within
+/// (0, 1], what is derived as derive() gives.
+bool isWhole(const RadiusField& field);
+
+/// Fills in what is derived of every level from mean and variance; all are positive, finite and as many as the sides say. For the falloff,
+/// s^2 r^2 is the larger of |grad_s r|^2 (central differences of the means over directions, one texel each way, right across edges of the
+/// cube) and the squared slope that would give the stored variance over the texel's footprint: on smooth surfaces both are the same; on
+/// rough ones, and on the blurred levels, the variance widens the falloff.
+void derive(RadiusField& field);
+
+/// The box of the finest level, local space.
+Box bounds(const RadiusField& field);
+inline constexpr double kRadiusPadding = 0.125;
+
+/// Distance at `point` (local space, finite), local units. Within the box first-order: (rho - r) falloff with rho = |p - centre| and r and
+/// falloff interpolated bilinearly, kept within what a solid that holds the ball of the smallest radius and lies in that of the largest one
+/// allows: -r_min - rho and rho - r_max from below, rho - r_min from above; towards the centre, within rho_0 = kRadiusCore r_min, linear
+/// between -r_min (exact) at the centre and the value at rho_0. Beyond the box continued as volumes are. Continuous everywhere.
+double sampleRadius(const RadiusField& field, const glm::dvec3& point, int level = 0);
+
+/// A Lipschitz constant of sampleRadius over all of space, at least 1: over every cell and every rho at which the first-order formula is
+/// not cut off, the gradient has falloff along the ray and |(rho - r) grad falloff - falloff grad r| / rho across it, where gradients over
+/// directions follow from differences along the cell's edges and the metric of the face, (1 + |x|^2) (I + x x^T).
+double lipschitzBound(const RadiusField& field, int level = 0);
+
+/// The field as readRadius gives it back after writeRadius: means and variances rounded, falloffs derived from these.
+RadiusField asStored(RadiusField field);
+
+/// Writes half-float channels `radius` and `variance`, scaled so that half floats keep their detail: r = overcast_offset + overcast_scale *
+/// radius with radius in [-1, 1], variance in units of overcast_scale^2; centre as overcast_centre_x, _y, _z. Texels are where OpenEXR
+/// expects them in a cube map. The same field gives the same bytes. Atomic. Returns the bytes on disk. `field` is whole.
+Result<std::uint64_t> writeRadius(const std::filesystem::path& path, const RadiusField& field);
+
+/// Reads what writeRadius wrote. Parsed in a sandbox. An Error when it is not a mipmapped cube map with these channels and numbers, a side
+/// is not a power of two within the limits, a radius is not positive and finite, or its version is a later one.
+Result<RadiusField> readRadius(const std::filesystem::path& path);
+
+}  // namespace overcast
