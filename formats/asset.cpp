@@ -27,6 +27,11 @@ constexpr FileKind<Volume> kindOf() {
   return {Representation::volume, ".vdb", sampleVolume, [](const fs::path& path) { return readVolume(path); },
           [](const fs::path& path, const Volume& volume, VolumeBits bits) { return writeVolume(path, volume, bits); }};
 }
+template <>
+constexpr FileKind<RadiusField> kindOf() {
+  return {Representation::radius, ".exr", [](const RadiusField& field, const glm::dvec3& point) { return sampleRadius(field, point); },
+          readRadius, [](const fs::path& path, const RadiusField& field, VolumeBits) { return writeRadius(path, field); }};
+}
 
 /// What only some kinds know of themselves.
 void describe(const Volume& volume, Occluder& occluder) {

@@ -9,12 +9,13 @@
 
 #include "formats/occluder.h"
 #include "formats/primitive.h"
+#include "formats/radius.h"
 #include "formats/result.h"
 #include "formats/volume.h"
 
 namespace overcast {
 
-using Asset = std::variant<Volume, Primitive>;
+using Asset = std::variant<Volume, Primitive, RadiusField>;
 
 Representation representationOf(const Asset& asset);
 

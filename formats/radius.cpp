@@ -88,10 +88,15 @@ void deriveBox(RadiusLevel& level) {
 
 /// `footprint` is the variance of the texel's filter along one axis in squared texels.
 void derive(RadiusLevel& level, double footprint) {
-  const auto [low, high] = std::minmax_element(level.texel.begin(), level.texel.end(),
-                                               [](const RadiusTexel& a, const RadiusTexel& b) { return a.mean < b.mean; });
-  level.smallest = low->mean;
-  level.largest = high->mean;
+  double leastMean = level.texel.front().mean;
+  level.smallest = level.largest = leastMean;
+  for (const RadiusTexel& texel : level.texel) {
+    const double spread = std::sqrt(3.0 * texel.variance);
+    leastMean = std::min(leastMean, double{texel.mean});
+    level.smallest = std::min(level.smallest, texel.mean - spread);
+    level.largest = std::max(level.largest, texel.mean + spread);
+  }
+  level.smallest = std::max(level.smallest, 0.5 * leastMean);
   deriveBox(level);
   for (unsigned face = 0; face < shared::kCubeFaces; ++face)
     for (int j = 0; j < level.side; ++j)

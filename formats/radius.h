@@ -27,8 +27,8 @@ struct RadiusLevel {
   int side = 0;
   std::vector<RadiusTexel> texel;
   // Derived from the texels by derive(), not stored:
-  double smallest = 0.0;  ///< of the means
-  double largest = 0.0;
+  double smallest = 0.0;  ///< of mean - sqrt(3 variance), the least radius of a slope with that variance; at least half of the least mean
+  double largest = 0.0;   ///< of mean + sqrt(3 variance)
   Box box;  ///< around the surface |p| = r(direction) as interpolated, about the centre, with a margin of kRadiusPadding of the largest
             ///< radius
 };

@@ -36,10 +36,11 @@ struct Scaling {
 Scaling scalingOf(const RadiusField& field) {
   constexpr double kLeast = 1e-4;  // of the radius: rounding of a sphere must not be blown up to the whole range
   double low = 1e300, high = 0.0;
-  for (const RadiusLevel& level : field.levels) {
-    low = std::min(low, level.smallest);
-    high = std::max(high, level.largest);
-  }
+  for (const RadiusLevel& level : field.levels)
+    for (const RadiusTexel& texel : level.texel) {
+      low = std::min(low, double{texel.mean});
+      high = std::max(high, double{texel.mean});
+    }
   const double offset = 0.5 * (low + high);
   return {offset, std::max(0.5 * (high - low), kLeast * offset)};
 }

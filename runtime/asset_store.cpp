@@ -19,6 +19,9 @@ AssetEntry add(const Volume& volume, Contents& contents) {
 AssetEntry add(const Primitive& primitive, Contents&) {
   return primitive;
 }
+AssetEntry add(const RadiusField& radius, Contents& contents) {
+  return packRadius(radius, contents.texels);
+}
 
 Result<GpuBuffer> uploadTexels(const Device& device, std::vector<glm::vec2>& texels) {
   if (texels.empty()) texels.emplace_back(0.0f);  // a descriptor needs something to point at

@@ -11,12 +11,13 @@
 #include "formats/asset.h"
 #include "runtime/atlas.h"
 #include "runtime/passes/composite/composite_object.h"
+#include "runtime/passes/composite/radius_object.h"
 #include "runtime/vulkan/resources.h"
 
 namespace overcast {
 
 /// Where one asset is on the device, as its record needs it.
-using AssetEntry = std::variant<AtlasEntry, Primitive>;
+using AssetEntry = std::variant<AtlasEntry, Primitive, RadiusEntry>;
 
 struct AssetStore {
   Atlas atlas;

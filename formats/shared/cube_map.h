@@ -36,8 +36,8 @@ OVERCAST_INLINE uint cubeFace(vec3 direction) {
 /// Coordinates on `face`, which `direction` meets, in [-1, 1]^2; (0, 0) for the zero vector.
 OVERCAST_INLINE vec2 cubeCoordinates(uint face, vec3 direction) {
   vec3 size = abs(direction);
-  float scale = 1.0f / max(max(size.x, max(size.y, size.z)), 1.0e-37f);
-  vec3 d = direction * scale;
+  OVERCAST_PRECISE float scale = 1.0f / max(max(size.x, max(size.y, size.z)), 1.0e-37f);
+  OVERCAST_PRECISE vec3 d = direction * scale;
   if (face == 0u) return vec2(-d.z, -d.y);
   if (face == 1u) return vec2(d.z, -d.y);
   if (face == 2u) return vec2(d.x, d.z);

@@ -19,10 +19,12 @@
   using namespace glm;
 #define OVERCAST_SHARED_END }
 #define OVERCAST_INLINE inline
+#define OVERCAST_PRECISE
 #else
 #define OVERCAST_SHARED_BEGIN
 #define OVERCAST_SHARED_END
 #define OVERCAST_INLINE
+#define OVERCAST_PRECISE precise  // no contraction: shaders that compute the same must agree to the last bit
 #endif
 
 #endif

@@ -10,6 +10,8 @@
 #include <glm/gtc/packing.hpp>
 #include <glm/gtc/quaternion.hpp>
 
+#include "tests/formats/radius_fields.h"
+
 namespace overcast::test {
 namespace {
 
@@ -79,6 +81,8 @@ std::vector<Asset> variedAssets() {
   assets.emplace_back(Primitive{PrimitiveShape::cuboid, {0.0, 0.0, 0.0}, {1.0, 0.0, 0.0, 0.0}, {0.6, 0.01, 0.4}});
   assets.emplace_back(Primitive{PrimitiveShape::ellipsoid, {-0.1, 0.2, 0.0}, turned, {0.9, 0.2, 0.5}});
   assets.emplace_back(Primitive{PrimitiveShape::ellipsoid, {0.0, 0.0, 0.0}, {1.0, 0.0, 0.0, 0.0}, {0.7, 0.7, 0.7}});
+  assets.emplace_back(fieldOf(reference::bumpyRadius(), 16, {0.2, 0.0, -0.1}, 0.002f));
+  assets.emplace_back(fieldOf(reference::cuboidRadius({0.9, 0.2, 0.4}), 8));
   return assets;
 }
 

@@ -26,7 +26,7 @@ double torusDistance(const glm::dvec3& p, double ring, double tube);
 /// that is no cube.
 std::vector<Volume> variedVolumes();
 
-/// These volumes first, then primitives of both shapes.
+/// These volumes first, then primitives of both shapes, then radius fields.
 std::vector<Asset> variedAssets();
 
 /// Rotation, translation within `spread` of the origin, scale from 0.2 to 2.5 along each axis: uniform, non-uniform, mirrored, or sheared.

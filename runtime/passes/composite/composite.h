@@ -8,12 +8,6 @@
 
 #include "runtime/shared_types.h"
 
-#ifdef __cplusplus
-#define OVERCAST_PRECISE
-#else
-#define OVERCAST_PRECISE precise  // no contraction: the culled and the brute-force shader must agree to the last bit
-#endif
-
 OVERCAST_SHARED_BEGIN
 
 const int kBrickSide = 8;                 ///< voxels along the side of a brick
@@ -34,6 +28,7 @@ const float kRelativeSlack = 0.001953125f;
 const uint kKindVolume = 0u;     ///< parameters: xyz: centre of the first sample in the atlas, texels. Units: voxels; boxMin is 0
 const uint kKindCuboid = 1u;     ///< parameters: xyz: half extents. Units: global voxels, or local ones where the transform shears
 const uint kKindEllipsoid = 2u;  ///< parameters: xyz: half extents, w: the smallest of them. Units: global voxels
+const uint kKindRadius = 3u;     ///< see radius.h
 
 /// One object as the GPU sees it. Local coordinates are in the kind's units.
 struct CompositeObject {

@@ -32,6 +32,7 @@ layout(set = 0, binding = 6, std430) buffer Masks {
 layout(set = 0, binding = 7, std430) readonly buffer Fields {
   vec2 fields[];
 };
+#include "runtime/passes/composite/radius.h"
 
 float volumeDistance(CompositeObject object, vec3 local) {
   return textureLod(atlas, (vec3(object.parameters) + local) * vec3(push.atlasTexel), 0.0f).r;
@@ -39,6 +40,7 @@ float volumeDistance(CompositeObject object, vec3 local) {
 
 // Distance at a point of the object's box, in the kind's units. One line per kind.
 float boxedDistance(CompositeObject object, vec3 local) {
+  if (object.kind == kKindRadius) return radiusDistance(OVERCAST_FIELDS_HERE object, local);
   return volumeDistance(object, local);
 }
 

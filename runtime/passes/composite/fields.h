@@ -1,5 +1,5 @@
-// Fields: the one storage buffer that holds the texels (x: mean, y: variance) of all radius and heightfield objects. A formula that reads
-// it is written once for C++ and GLSL as
+// Fields: the one storage buffer that holds the texels of all radius and heightfield objects; what x and y are says the kind's header. A
+// formula that reads it is written once for C++ and GLSL as
 //
 //   OVERCAST_INLINE float radiusDistance(OVERCAST_FIELDS CompositeObject object, vec3 local) { ... fields[object.field.x + i] ... }
 //   float phi = radiusDistance(OVERCAST_FIELDS_HERE object, local);
