@@ -215,14 +215,18 @@ static Mask openChildren(const Block& block, const TreeNode& node) {
   return open;
 }
 
+static float dot(const float (&x)[3], const float (&y)[3]) {
+  return multiplyAdd(x[0], y[0], multiplyAdd(x[1], y[1], x[2] * y[2]));
+}
+
 /// Tests one triangle against the samples of those vectors that `vectors` names (bits part * kBlock + slice).
 static void testTriangle(Block& block, std::int32_t index, Mask vectors) {
   const TreeTriangle& t = block.scene.triangles[index];
   float a[3];
   for (int axis = 0; axis < 3; ++axis) a[axis] = (t.a[axis] - block.centre[axis]) + t.aRest[axis];
-  const float u0 = -(t.u[0] * a[0] + t.u[1] * a[1] + t.u[2] * a[2]);
-  const float v0 = -(t.v[0] * a[0] + t.v[1] * a[1] + t.v[2] * a[2]);
-  const float w0 = -(t.w[0] * a[0] + t.w[1] * a[1] + t.w[2] * a[2]);
+  const float u0 = -dot(t.u, a);
+  const float v0 = -dot(t.v, a);
+  const float w0 = -dot(t.w, a);
   const Floats zero = all(0.0f);
   const Floats uz = all(t.u[2]);
   const Floats vz = all(t.v[2]);

@@ -19,6 +19,15 @@ namespace overcast::OVERCAST_SIMD {
 /// Floats has kLanes lanes; Mask has one bit per lane, lane 0 the lowest.
 using Mask = std::uint32_t;
 
+/// a * b + c as the vectors do it: fused where they are.
+static inline float multiplyAdd(float a, float b, float c) {
+#if defined(__FMA__)
+  return __builtin_fmaf(a, b, c);
+#else
+  return a * b + c;
+#endif
+}
+
 #if defined(__AVX512F__)
 
 constexpr int kLanes = 16;
