@@ -1,7 +1,5 @@
 #include "bake/scene_bake.h"
 
-#include <unistd.h>
-
 #include <algorithm>
 #include <atomic>
 #include <bit>
@@ -96,25 +94,6 @@ void appendScene(Scene& scene, Scene other) {
 /// The volume a mesh uses: its own, or the one it shares.
 const MeshBake& owner(const SceneBake& bake, const MeshBake& mesh) {
   return mesh.sameAs < 0 ? mesh : bake.meshes[static_cast<std::size_t>(mesh.sameAs)];
-}
-
-/// Writes the scene into a folder of its own first, so that a full disk harms nothing, then moves it into place.
-Result<Done> replaceScene(const fs::path& folder, const std::string& name, const Scene& scene) {
-  const fs::path staging = folder / fmt::format(".overcast-{}", ::getpid());
-  const std::string gltf = name + ".gltf", bin = name + ".bin";
-  const auto written = writeScene(staging / gltf, scene);
-  std::error_code code;
-  if (written.ok()) {
-    // The old .gltf must not meet the new .bin.
-    fs::remove(folder / gltf, code);
-    if (!code) fs::rename(staging / bin, folder / bin, code);
-    if (!code) fs::rename(staging / gltf, folder / gltf, code);
-  }
-  std::error_code ignored;
-  fs::remove_all(staging, ignored);
-  if (!written) return Error{(folder / gltf).string(), written.error().place, written.error().reason};
-  if (code) return Error{(folder / gltf).string(), "", code.message()};
-  return Done{};
 }
 
 Result<Occluder> writeVolumeOf(const MeshBake& mesh, const std::string& name, const fs::path& folder, const VolumeSettings& settings) {
@@ -259,10 +238,9 @@ Result<std::vector<fs::path>> writeBake(SceneBake& bake, const fs::path& folder,
     for (Node& node : bake.scene.nodes)
       if (node.mesh == mesh.mesh) node.occluder = mesh.occluder;
   }
-  const auto written = replaceScene(folder, name, bake.scene);
+  const auto written = writeScene(folder / (name + ".gltf"), bake.scene);
   if (!written) return written.error();
-  files.push_back(folder / (name + ".bin"));
-  files.push_back(folder / (name + ".gltf"));
+  files.insert(files.end(), written.value().begin(), written.value().end());
   return files;
 }
 

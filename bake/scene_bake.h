@@ -61,9 +61,9 @@ void dropFailedInputs(SceneBake& bake);
 /// What the scene of these inputs is called: a single glTF scene keeps its stem ("default"), everything else makes a "scene".
 std::string outputName(const std::vector<std::filesystem::path>& inputs);
 
-/// Writes folder/<name>.gltf, <name>.bin and volumes/<mesh>-<hash>.vdb and returns their paths, the scene last. Volumes are named by what
-/// they hold and the scene replaces an older one only when all of it is on disk: whoever kills the process finds the old scene, the new
-/// one, or (between two renames) none, but never a mixture.
+/// Writes folder/<name>.gltf, <name>-<hash>.bin and volumes/<mesh>-<hash>.vdb and returns their paths, the scene last. All but the scene
+/// are named by what they hold and the scene replaces an older one only when all of it is on disk: whoever kills the process finds the old
+/// scene or the new one, whole.
 Result<std::vector<std::filesystem::path>> writeBake(SceneBake& bake, const std::filesystem::path& folder, const std::string& name,
                                                      const VolumeSettings& settings);
 

@@ -1,6 +1,7 @@
 // A Scene as .gltf and .bin (glTF 2.0).
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <limits>
 #include <optional>
 #include <set>
@@ -19,6 +20,7 @@
 namespace overcast {
 namespace {
 
+namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
 constexpr int kArrayBuffer = 34962;
@@ -295,9 +297,33 @@ Result<Done> putContents(const Scene& scene, Json& document, Binary& binary) {
   return Done{};
 }
 
+/// Whether `file` is `stem`, a dash, 8 hexadecimal digits and .bin: a name that binaryName gave.
+bool isBinaryOf(const std::string& stem, const std::string& file) {
+  constexpr std::size_t kDigits = 8;
+  if (file.size() != stem.size() + kDigits + 5 || !file.starts_with(stem + "-") || !file.ends_with(".bin")) return false;
+  return file.substr(stem.size() + 1, kDigits).find_first_not_of("0123456789abcdef") == std::string::npos;
+}
+
+std::string binaryName(const fs::path& scene, const std::vector<std::byte>& bytes) {
+  return fmt::format("{}-{}.bin", scene.stem().string(), contentHash(bytes).substr(0, 8));
+}
+
+/// Removes the .bin files that older scenes of this name left. What cannot be removed is harmless.
+void removeOldBinaries(const fs::path& scene, const std::string& kept) {
+  const std::string stem = scene.stem().string();
+  const fs::path folder = scene.has_parent_path() ? scene.parent_path() : fs::path(".");
+  std::vector<fs::path> old;
+  std::error_code code;
+  for (fs::directory_iterator entry(folder, code), end; !code && entry != end; entry.increment(code)) {
+    const std::string file = entry->path().filename().string();
+    if (file != kept && isBinaryOf(stem, file)) old.push_back(entry->path());
+  }
+  for (const fs::path& file : old) fs::remove(file, code);
+}
+
 }  // namespace
 
-Result<Done> writeScene(const std::filesystem::path& path, const Scene& scene) {
+Result<std::vector<std::filesystem::path>> writeScene(const std::filesystem::path& path, const Scene& scene) {
   const std::string broken = brokenInvariant(scene);
   OVERCAST_REQUIRE(broken.empty(), "scene for {}: {}", path.string(), broken);
   if (path.extension() != ".gltf") return Error{path.string(), "", "scenes are written as .gltf"};
@@ -312,13 +338,26 @@ Result<Done> writeScene(const std::filesystem::path& path, const Scene& scene) {
   if (!contents) return Error{path.string(), contents.error().place, contents.error().reason};
   putUnlessEmpty(document, "accessors", std::move(binary.accessors));
   putUnlessEmpty(document, "bufferViews", std::move(binary.views));
+  std::vector<fs::path> files;
+  std::string bin;
+  bool fresh = false;  // the .bin is not one that the old scene may need
+  std::error_code code;
   if (!binary.bytes.empty()) {
-    const std::filesystem::path bin = path.stem().string() + ".bin";
-    document["buffers"].push_back({{"uri", uriFromPath(bin.string())}, {"byteLength", binary.bytes.size()}});
-    auto written = writeFileAtomically(path.parent_path() / bin, binary.bytes);
+    bin = binaryName(path, binary.bytes);
+    files.push_back(path.parent_path() / bin);
+    fresh = !fs::exists(files[0], code);
+    document["buffers"].push_back({{"uri", uriFromPath(bin)}, {"byteLength", binary.bytes.size()}});
+    auto written = writeFileAtomically(files[0], binary.bytes);
     if (!written) return written.error();
   }
-  return writeFileAtomically(path, document.dump(1, ' ', false, Json::error_handler_t::replace) + "\n");
+  auto written = writeFileAtomically(path, document.dump(1, ' ', false, Json::error_handler_t::replace) + "\n");
+  if (!written) {
+    if (fresh) fs::remove(files[0], code);
+    return written.error();
+  }
+  removeOldBinaries(path, bin);
+  files.push_back(path);
+  return files;
 }
 
 }  // namespace overcast

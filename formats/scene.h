@@ -86,10 +86,12 @@ Result<Scene> readScene(const std::filesystem::path& path);
 /// of its diagonals is recentred, its node moved instead, so that single floats keep its detail.
 Scene sceneFromMesh(Mesh mesh);
 
-/// Writes `path` (.gltf) and a .bin of the same stem beside it; passes the Khronos glTF-Validator without errors. Deterministic bytes; the
-/// .bin is written before the .gltf. Positions become single floats; missing normals are computed (angle-weighted, creases over 60 degrees
-/// split).
-Result<Done> writeScene(const std::filesystem::path& path, const Scene& scene);
+/// Writes `path` (.gltf) and beside it a .bin named <stem>-<8 hexadecimal digits of its content's hash>.bin (none for a scene without
+/// meshes and animations); passes the Khronos glTF-Validator without errors. Deterministic bytes. The .gltf replaces an older one by a
+/// rename when its .bin is on disk, and only then are other .bin files whose names have exactly this pattern removed: whoever kills the
+/// process finds the old scene or the new one, whole. One writer at a time. Positions become single floats; missing normals are computed
+/// (angle-weighted, creases over 60 degrees split). Returns the files, the scene last.
+Result<std::vector<std::filesystem::path>> writeScene(const std::filesystem::path& path, const Scene& scene);
 
 /// Applies the animations at `time` seconds (looped over the longest animation, or clamped to their ends) and returns
 /// worldFromLocal of every node, in node order; [i] maps points of node i's mesh to world space.

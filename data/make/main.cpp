@@ -24,7 +24,8 @@ constexpr NamedScene kScenes[] = {
     {"sphere_on_plane", makeSphereOnPlane}, {"cornell_box", makeCornellBox}, {"cornell_star", makeCornellStar}, {"clutter", makeClutter}};
 
 // Prints the error, if there is one; true when there is none.
-bool reported(const Result<Done>& result) {
+template <class T>
+bool reported(const Result<T>& result) {
   if (!result.ok()) std::fprintf(stderr, "overcast-make-data: %s\n", message(result.error()).c_str());
   return result.ok();
 }

@@ -1,5 +1,7 @@
 // The command overcast-bake: exit codes, messages, files.
 #include <algorithm>
+#include <chrono>
+#include <cmath>
 #include <fstream>
 #include <iterator>
 #include <map>
@@ -60,7 +62,7 @@ class BakeCommand : public testing::Test {
 TEST_F(BakeCommand, AMeshBecomesASceneThatValidates) {
   const ShellResult baked = bake("ball.off -o out 2>messages");
   EXPECT_EQ(baked.exitCode, 0) << contents(folder / "messages");
-  EXPECT_THAT(baked.output, testing::MatchesRegex("out/volumes/ball-[0-9a-f]{8}.vdb\nout/scene.bin\nout/scene.gltf\n"));
+  EXPECT_THAT(baked.output, testing::MatchesRegex("out/volumes/ball-[0-9a-f]{8}.vdb\nout/scene-[0-9a-f]{8}.bin\nout/scene.gltf\n"));
   EXPECT_THAT(contents(folder / "messages"), HasSubstr("ball.off: 1,280 faces, 32x32x32, "));
   EXPECT_THAT(contents(folder / "messages"), HasSubstr("closed, signed-crossings\n"));
   EXPECT_THAT(contents(folder / "messages"), Not(HasSubstr("\r")));
@@ -222,16 +224,31 @@ TEST_F(BakeCommand, AnInterruptLeavesNothing) {
 // Killed at any moment, the folder holds a scene that validates, or between two renames none.
 TEST_F(BakeCommand, AKilledBakeLeavesNoTornScene) {
   ASSERT_EQ(bake("ball.off -o out").exitCode, 0);
-  int whole = 0;
-  for (int i = 0; i < 24; ++i) {
-    const std::string inputs = i % 2 ? "ball.off" : "ring.off bowl.off";
-    bake(fmt::format("{} -o out --resolution {} --quiet & p=$!; sleep {:.3f}; kill -9 $p; wait $p", inputs, 8 + i % 3, 0.01 + 0.01 * i));
-    if (!fs::exists(folder / "out/scene.gltf")) continue;
+  const auto bakeOther = [&](int i) {
+    const char* inputs = i % 2 ? "ball.off" : "ring.off bowl.off";
+    return fmt::format("{} -o out --resolution {} --error-samples 100 --quiet", inputs, 8 + i % 3);
+  };
+  const auto start = std::chrono::steady_clock::now();
+  ASSERT_EQ(bake(bakeOther(0)).exitCode, 0);
+  const double whole = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  constexpr int kMoments = 48;
+  int replaced = 0;
+  for (int i = 1; i <= kMoments; ++i) {
+    const std::string before = contents(folder / "out/scene.gltf");
+    // Most of the moments near the end, where the scene is written.
+    const double moment = whole * (0.2 + 0.9 * std::sqrt(static_cast<double>(i) / kMoments));
+    bake(fmt::format("{} & p=$!; sleep {:.4f}; kill -9 $p; wait $p", bakeOther(i), moment));
+    ASSERT_TRUE(fs::exists(folder / "out/scene.gltf")) << "killed after " << moment << " s";
     const ShellResult checked = bake("validate out/scene.gltf");
-    EXPECT_EQ(checked.exitCode, 0) << checked.output;
-    ++whole;
+    EXPECT_EQ(checked.exitCode, 0) << "killed after " << moment << " s: " << checked.output;
+    replaced += contents(folder / "out/scene.gltf") != before;
   }
-  EXPECT_GT(whole, 12);
+  EXPECT_GT(replaced, 0) << "every bake was killed too early";
+  EXPECT_LT(replaced, kMoments) << "no bake was killed";
+  ASSERT_EQ(bake(bakeOther(0)).exitCode, 0);
+  const auto binaries = std::count_if(fs::directory_iterator(folder / "out"), fs::directory_iterator(),
+                                      [](const fs::directory_entry& entry) { return entry.path().extension() == ".bin"; });
+  EXPECT_EQ(binaries, 1) << "what killed bakes left is removed";
 }
 
 // Every mesh of the shared folder in two commands: no signal, no hang, and what was baked validates.

@@ -3,8 +3,12 @@
 
 #include <cmath>
 #include <cstdlib>
+#include <filesystem>
+#include <fstream>
 #include <limits>
 #include <random>
+#include <set>
+#include <string>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -57,8 +61,8 @@ TEST(SceneWriter, WhatIsWrittenReadsBackBitForBitAndWritesTheSameBytes) {
         RC_ASSERT(equal || (withoutNormals && !scene.meshes.empty()));
         auto written = writeScene(folder.path / "b" / "scene.gltf", again);
         RC_ASSERT(written.ok());
-        for (const char* file : {"scene.gltf", "scene.bin"}) {
-          const bool sameBytes = bytesOf(folder.path / "a" / file) == bytesOf(folder.path / "b" / file);
+        for (const std::filesystem::path& file : written.value()) {
+          const bool sameBytes = bytesOf(folder.path / "a" / file.filename()) == bytesOf(file);
           RC_ASSERT(sameBytes);
         }
       }));
@@ -227,13 +231,47 @@ TEST(Normals, DegenerateTrianglesGetUnitNormalsToo) {
   for (const glm::vec3& n : made.normals) EXPECT_NEAR(glm::length(n), 1.0, 1e-6);
 }
 
+std::set<std::string> namesIn(const std::filesystem::path& folder) {
+  std::set<std::string> names;
+  for (const auto& entry : std::filesystem::directory_iterator(folder)) names.insert(entry.path().filename().string());
+  return names;
+}
+
+TEST(SceneWriter, ReplacesASceneAndRemovesOnlyWhatItLeft) {
+  const TemporaryFolder folder;
+  const std::filesystem::path path = folder.path / "scene.gltf";
+  std::set<std::string> others;
+  for (const char* name : {"scene.bin", "scene-0123456.bin", "scene-012345678.bin", "scene-0123456G.bin", "scene-01234567.bin.old",
+                           "scene-a-01234567.bin", "ascene-01234567.bin", "other-01234567.bin", "scene_01234567.bin"}) {
+    std::ofstream(folder.path / name) << "not the scene's";
+    others.insert(name);
+  }
+  std::ofstream(folder.path / "scene-01234567.bin") << "an older scene's";
+  for (const Scene& scene : {sceneFromMesh(soup()), test::randomScene(5), test::randomScene(5), Scene{}}) {
+    const auto written = writeScene(path, scene);
+    ASSERT_TRUE(written);
+    std::set<std::string> expected = others;
+    for (const std::filesystem::path& file : written.value()) expected.insert(file.filename().string());
+    EXPECT_EQ(written.value().back(), path);
+    EXPECT_EQ(written.value().size(), scene.meshes.empty() ? 1u : 2u);
+    EXPECT_EQ(namesIn(folder.path), expected);
+    EXPECT_TRUE(readScene(path));
+  }
+}
+
+TEST(SceneWriter, AFailureLeavesTheFolderAsItWas) {
+  const TemporaryFolder folder;
+  std::filesystem::create_directories(folder.path / "scene.gltf" / "taken");
+  EXPECT_FALSE(writeScene(folder.path / "scene.gltf", test::randomScene(5)));
+  EXPECT_EQ(namesIn(folder.path), std::set<std::string>{"scene.gltf"});
+}
+
 TEST(SceneWriter, ErrorsNameWhatIsWrong) {
   const TemporaryFolder folder;
   const auto errorOf = [&](const Scene& scene) {
     auto written = writeScene(folder.path / "bad.gltf", scene);
     EXPECT_FALSE(written);
-    EXPECT_FALSE(std::filesystem::exists(folder.path / "bad.gltf"));
-    EXPECT_FALSE(std::filesystem::exists(folder.path / "bad.bin"));
+    EXPECT_TRUE(std::filesystem::is_empty(folder.path));
     return written ? std::string() : message(written.error());
   };
   Scene scene = sceneFromMesh(soup());

@@ -105,7 +105,7 @@ inline Scene bakedScene(const std::filesystem::path& folder, const BakedSceneSet
 /// Writes that scene and its volumes into `folder`; the .gltf file.
 inline std::filesystem::path writeBakedScene(const std::filesystem::path& folder, const BakedSceneSettings& settings = {}) {
   const std::filesystem::path file = folder / "scene.gltf";
-  const Result<Done> written = writeScene(file, bakedScene(folder, settings));
+  const auto written = writeScene(file, bakedScene(folder, settings));
   OVERCAST_REQUIRE(written.ok(), "{}", message(written.error()));
   return file;
 }

@@ -231,6 +231,21 @@ TEST_F(Composite, AnObjectCutOffByItsBoxReachesBeyondIt) {
   EXPECT_EQ(bits(passes[0]), bits(passes[1]));
 }
 
+/// Beside widely padded volumes the distance lies far above its lower bound: objects between the two must not be culled.
+TEST_F(Composite, WidelyPaddedVolumesHideNothingThatIsNearer) {
+  assets = {sampled([](const glm::dvec3& p) { return sphereDistance(p, 0.05); }, 24, 3.0),
+            sampled([](const glm::dvec3& p) { return sphereDistance(p, 0.3); }, 16, 0.5)};
+  load();
+  const GlobalGrid grid = cubeGrid(64, 4.0);
+  pass(grid, 2);
+  pass(grid, 2, CompositeMethod::bruteForce);
+  for (const glm::dvec3& other : {glm::dvec3(2, 6, 0), glm::dvec3(7.5, 0, 0), glm::dvec3(3, -3, 6), glm::dvec3(0, 8, 2)}) {
+    for (CompositePass& p : passes)
+      run(p, {{0, glm::translate(glm::dmat4(1.0), glm::dvec3(-4, 0, 0))}, {1, glm::translate(glm::dmat4(1.0), other)}});
+    EXPECT_EQ(bits(passes[0]), bits(passes[1])) << other.x << ' ' << other.y << ' ' << other.z;
+  }
+}
+
 TEST_F(Composite, AgreesWithBruteForceInDouble) {
   for (const AtlasBits storage : {AtlasBits::single, AtlasBits::half}) {
     load(storage);
