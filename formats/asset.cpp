@@ -33,6 +33,12 @@ constexpr FileKind<RadiusField> kindOf() {
           readRadius, [](const fs::path& path, const RadiusField& field, VolumeBits) { return writeRadius(path, field); }};
 }
 
+template <>
+constexpr FileKind<HeightField> kindOf() {
+  return {Representation::heightfield, ".exr", [](const HeightField& field, const glm::dvec3& p) { return sampleHeightField(field, p); },
+          readHeightField, [](const fs::path& path, const HeightField& field, VolumeBits) { return writeHeightField(path, field); }};
+}
+
 /// What only some kinds know of themselves.
 void describe(const Volume& volume, Occluder& occluder) {
   occluder.signMethod = volume.signMethod;

@@ -7,6 +7,7 @@
 #include <string>
 #include <variant>
 
+#include "formats/heightfield.h"
 #include "formats/occluder.h"
 #include "formats/primitive.h"
 #include "formats/radius.h"
@@ -15,7 +16,7 @@
 
 namespace overcast {
 
-using Asset = std::variant<Volume, Primitive, RadiusField>;
+using Asset = std::variant<Volume, Primitive, RadiusField, HeightField>;
 
 Representation representationOf(const Asset& asset);
 

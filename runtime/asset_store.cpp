@@ -23,6 +23,10 @@ AssetEntry add(const RadiusField& radius, Contents& contents) {
   return packRadius(radius, contents.texels);
 }
 
+AssetEntry add(const HeightField& field, Contents& contents) {
+  return addHeightField(field, contents.texels);
+}
+
 Result<GpuBuffer> uploadTexels(const Device& device, std::vector<glm::vec2>& texels) {
   if (texels.empty()) texels.emplace_back(0.0f);  // a descriptor needs something to point at
   const std::uint64_t bytes = texels.size() * sizeof(glm::vec2), most = device.properties.limits.maxStorageBufferRange;

@@ -11,13 +11,14 @@
 #include "formats/asset.h"
 #include "runtime/atlas.h"
 #include "runtime/passes/composite/composite_object.h"
+#include "runtime/passes/composite/heightfield_object.h"
 #include "runtime/passes/composite/radius_object.h"
 #include "runtime/vulkan/resources.h"
 
 namespace overcast {
 
 /// Where one asset is on the device, as its record needs it.
-using AssetEntry = std::variant<AtlasEntry, Primitive, RadiusEntry>;
+using AssetEntry = std::variant<AtlasEntry, Primitive, RadiusEntry, HeightFieldEntry>;
 
 struct AssetStore {
   Atlas atlas;

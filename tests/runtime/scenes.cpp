@@ -73,6 +73,27 @@ std::vector<Volume> variedVolumes() {
   return volumes;
 }
 
+HeightField bumps(const glm::ivec2& size, bool pair) {
+  HeightField field;
+  field.size = size;
+  field.halfExtent = {0.9, 0.9 * size.y / size.x, 0.5};
+  field.origin = {0.1, 0.0, -0.2};
+  field.localFromField = glm::mat3_cast(glm::normalize(glm::dquat(0.7, -0.3, 0.2, 0.4)));
+  const auto layer = [&](double middle, double height) {
+    std::vector<HeightTexel> texels;
+    for (int j = 0; j < size.y; ++j)
+      for (int i = 0; i < size.x; ++i) {
+        const double wave = std::sin(20.0 * i / size.x) * std::cos(9.0 * j / size.y);
+        texels.push_back({static_cast<float>(middle + height * wave), static_cast<float>(1e-3 * (1.0 + wave))});
+      }
+    return texels;
+  };
+  field.front = {layer(0.4, 0.2)};
+  if (pair) field.back = {layer(-0.4, -0.15)};
+  buildLevels(field);
+  return asStored(std::move(field));
+}
+
 std::vector<Asset> variedAssets() {
   std::vector<Asset> assets;
   for (Volume& volume : variedVolumes()) assets.emplace_back(std::move(volume));
@@ -83,6 +104,8 @@ std::vector<Asset> variedAssets() {
   assets.emplace_back(Primitive{PrimitiveShape::ellipsoid, {0.0, 0.0, 0.0}, {1.0, 0.0, 0.0, 0.0}, {0.7, 0.7, 0.7}});
   assets.emplace_back(fieldOf(reference::bumpyRadius(), 16, {0.2, 0.0, -0.1}, 0.002f));
   assets.emplace_back(fieldOf(reference::cuboidRadius({0.9, 0.2, 0.4}), 8));
+  assets.emplace_back(bumps({32, 16}, false));
+  assets.emplace_back(bumps({16, 16}, true));
   return assets;
 }
 

@@ -26,7 +26,10 @@ double torusDistance(const glm::dvec3& p, double ring, double tube);
 /// that is no cube.
 std::vector<Volume> variedVolumes();
 
-/// These volumes first, then primitives of both shapes, then radius fields.
+/// A heightfield of waves, turned and moved, half rough; single sided or a pair.
+HeightField bumps(const glm::ivec2& size, bool pair);
+
+/// These volumes first, then primitives of both shapes, radius fields and heightfields.
 std::vector<Asset> variedAssets();
 
 /// Rotation, translation within `spread` of the origin, scale from 0.2 to 2.5 along each axis: uniform, non-uniform, mirrored, or sheared.

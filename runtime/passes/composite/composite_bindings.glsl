@@ -32,6 +32,7 @@ layout(set = 0, binding = 6, std430) buffer Masks {
 layout(set = 0, binding = 7, std430) readonly buffer Fields {
   vec2 fields[];
 };
+#include "runtime/passes/composite/heightfield.h"
 #include "runtime/passes/composite/radius.h"
 
 float volumeDistance(CompositeObject object, vec3 local) {
@@ -41,6 +42,7 @@ float volumeDistance(CompositeObject object, vec3 local) {
 // Distance at a point of the object's box, in the kind's units. One line per kind.
 float boxedDistance(CompositeObject object, vec3 local) {
   if (object.kind == kKindRadius) return radiusDistance(OVERCAST_FIELDS_HERE object, local);
+  if (object.kind == kKindHeightField) return heightFieldDistance(OVERCAST_FIELDS_HERE object, local);
   return volumeDistance(object, local);
 }
 
@@ -56,7 +58,7 @@ float objectDistance(CompositeObject object, vec3 local) {
   precise float phi = boxedDistance(object, closest) * object.axisScale.w;
   float gap = gapBeyondBox(object, local, closest);
   float slope = 0.0f;
-  if (object.kind == kKindVolume && gap > 0.0f && phi > 0.0f) {
+  if ((object.kind == kKindVolume || object.kind == kKindHeightField) && gap > 0.0f && phi > 0.0f) {
     vec3 direction = outwardStep(local, closest);
     precise float inner = boxedDistance(object, closest - direction) * object.axisScale.w;
     slope = slopeAlong(object, direction, inner, phi);
