@@ -184,6 +184,25 @@ TEST(HeightField, ChangesNoFasterThanItsBound) {
   }
 }
 
+// Far above a bend the first-order distance loses its slope fastest; there the bound must hold and not be far off.
+TEST(HeightField, BoundHoldsOverABendAndIsNearIt) {
+  HeightField field;
+  field.size = {8, 8};
+  field.halfExtent = {4.0, 4.0, 20.0};
+  field.front.resize(1);
+  for (int n = 0; n < 64; ++n) field.front[0].push_back({static_cast<float>(std::max(n % 8 - 3, 0) / 20.0), 0.0f});
+  buildLevels(field);
+  const double bound = lipschitzBound(field);
+  double steepest = 0.0;
+  for (double x = -1.0; x < 1.0; x += 1e-3)
+    for (const double z : {-19.0, 19.0}) {
+      const double change = sampleHeightField(field, {x + 1e-6, 0.1, z}) - sampleHeightField(field, {x - 1e-6, 0.1, z});
+      steepest = std::max(steepest, std::abs(change) / 2e-6);
+    }
+  EXPECT_LE(steepest, bound);
+  EXPECT_GT(steepest, bound / 4.0);
+}
+
 TEST(HeightField, BeyondItsBoxTheDistanceIsBetweenTheBounds) {
   const HeightField field = randomField(7, {16, 8}, true);
   std::size_t beyond = 0;
