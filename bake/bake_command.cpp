@@ -2,7 +2,7 @@
 
 #include <algorithm>
 #include <chrono>
-#include <cstdio>
+#include <cmath>
 #include <map>
 #include <optional>
 
@@ -14,6 +14,7 @@
 #include "bake/command.h"
 #include "bake/progress_bar.h"
 #include "bake/scene_bake.h"
+#include "formats/console.h"
 
 namespace overcast {
 namespace {
@@ -31,18 +32,27 @@ struct Options {
   bool keepGoing = false;
 };
 
+/// Why `text` is not a positive number; empty when it is one.
+std::string positiveNumber(const std::string& text) {
+  double number = 0.0;
+  if (CLI::detail::lexical_cast(text, number) && std::isfinite(number) && number > 0.0) return "";
+  return fmt::format("'{}' is not a positive number", text);
+}
+
 void addOptions(CLI::App& app, Options& options) {
   static const std::map<std::string, VolumeBits> bits = {
       {"auto", VolumeBits::automatic}, {"16", VolumeBits::half}, {"32", VolumeBits::single}};
   VolumeSettings& settings = options.settings;
   app.add_option("INPUT", options.inputs, "meshes (.obj .ply .stl .off) and scenes (.gltf .glb), side by side in one scene")->required();
-  app.add_option("-o,--output", options.folder, "folder for the baked scene; made when missing")->required();
+  app.add_option("-o,--output", options.folder, "folder for the baked scene; made when missing")
+      ->required()
+      ->check([](const std::string& text) { return std::string(text.empty() ? "names no folder" : ""); });
   app.add_option("--name", options.name, "file name of the scene without .gltf [a single glTF keeps its name, else \"scene\"]");
   auto* resolution = app.add_option("--resolution", settings.resolution, "samples along the longest side of each volume")
                          ->check(CLI::Range(kMinResolution, kMaxResolution))
                          ->capture_default_str();
   app.add_option("--voxel-size", settings.voxelSize, "spacing of samples in units of the mesh, instead of --resolution")
-      ->check(CLI::PositiveNumber)
+      ->check(positiveNumber)
       ->excludes(resolution);
   app.add_option("--padding", settings.padding, "voxels around each mesh")->check(CLI::Range(0.0, 255.0))->capture_default_str();
   app.add_option("--bits", settings.bits, "precision on disk: auto, 16 or 32")
@@ -158,9 +168,9 @@ int runBake(const Options& options) {
     }
   }
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-  if (options.json) fmt::print("{}\n", bakeJson(reports, bake, files, seconds));
+  if (options.json) printResult(bakeJson(reports, bake, files, seconds) + "\n");
   if (!options.json)
-    for (const fs::path& file : files) fmt::print("{}\n", file.string());
+    for (const fs::path& file : files) printResult(file.string() + "\n");
   return code;
 }
 

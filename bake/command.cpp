@@ -1,9 +1,10 @@
 #include "bake/command.h"
 
 #include <csignal>
-#include <cstdio>
 
 #include <CLI/CLI.hpp>
+
+#include "formats/console.h"
 
 namespace overcast {
 namespace {
@@ -37,7 +38,7 @@ int parseArguments(CLI::App& app, const std::vector<std::string>& arguments) {
 }
 
 void complain(const Error& error) {
-  fmt::print(stderr, "overcast-bake: {}\n", message(error));
+  printMessage(fmt::format("overcast-bake: {}\n", message(error)));
 }
 
 void watchInterrupts() {

@@ -18,7 +18,7 @@ enum ExitCode : int {
   kInternal = 1,     ///< a fault of ours, or memory ran out
   kUsage = 2,        ///< wrong arguments
   kBadInput = 3,     ///< an input that cannot be read or baked; nothing was written
-  kCannotWrite = 4,  ///< the output cannot be written
+  kCannotWrite = 4,  ///< the output, or what belongs on stdout, cannot be written
   kNotValid = 5,     ///< `validate` found something
   kPartial = 6,      ///< --keep-going: some inputs failed, the others were baked
   kInterrupted = 130

@@ -1,7 +1,6 @@
 #include "bake/inspect_command.h"
 
 #include <algorithm>
-#include <cstdio>
 #include <filesystem>
 
 #include <CLI/CLI.hpp>
@@ -10,6 +9,7 @@
 #include "bake/bake_report.h"
 #include "bake/command.h"
 #include "bake/repair.h"
+#include "formats/console.h"
 #include "formats/extension_json.h"
 #include "formats/files.h"
 #include "formats/scene.h"
@@ -175,9 +175,9 @@ int inspectCommand(const std::vector<std::string>& arguments) {
     return kBadInput;
   }
   if (json) {
-    fmt::print("{}\n", findings.value().json.dump(2, ' ', false, Json::error_handler_t::replace));
+    printResult(findings.value().json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n");
   } else {
-    for (const std::string& line : findings.value().lines) fmt::print("{}\n", line);
+    for (const std::string& line : findings.value().lines) printResult(oneLine(line) + "\n");
   }
   return kOk;
 }

@@ -1,5 +1,4 @@
 // overcast-bake: the table of its commands.
-#include <cstdio>
 #include <exception>
 #include <new>
 
@@ -7,6 +6,7 @@
 #include "bake/command.h"
 #include "bake/inspect_command.h"
 #include "bake/validate_command.h"
+#include "formats/console.h"
 
 namespace {
 
@@ -19,11 +19,11 @@ constexpr Command kCommands[] = {
 };
 
 void printHelp() {
-  fmt::print(
+  printResult(
       "overcast-bake INPUT... -o FOLDER     bake meshes and scenes, see overcast-bake bake --help\n"
       "overcast-bake COMMAND ...            run a command, each has its own --help\n\nCommands:\n");
-  for (const Command& command : kCommands) fmt::print("  {:10} {}\n", command.name, command.summary);
-  fmt::print("  {:10} {}\n  {:10} {}\n\n{}\n", "--help", "this text", "--version", "the version", kExitCodeHelp);
+  for (const Command& command : kCommands) printResult(fmt::format("  {:10} {}\n", command.name, command.summary));
+  printResult(fmt::format("  {:10} {}\n  {:10} {}\n\n{}\n", "--help", "this text", "--version", "the version", kExitCodeHelp));
 }
 
 int run(std::vector<std::string> arguments) {
@@ -32,7 +32,7 @@ int run(std::vector<std::string> arguments) {
     return arguments.empty() ? kUsage : kOk;
   }
   if (arguments[0] == "--version") {
-    fmt::print("overcast-bake {}\n", OVERCAST_VERSION);
+    printResult(fmt::format("overcast-bake {}\n", OVERCAST_VERSION));
     return kOk;
   }
   for (const Command& command : kCommands) {
@@ -46,8 +46,13 @@ int run(std::vector<std::string> arguments) {
 }  // namespace
 
 int main(int argc, char** argv) {
+  holdStandardStreams();
   try {
-    return run(std::vector<std::string>(argv + 1, argv + argc));
+    const int code = run(std::vector<std::string>(argv + 1, argv + argc));
+    const auto flushed = flushResults();
+    if (flushed) return code;
+    complain(flushed.error());
+    return code == kOk ? kCannotWrite : code;
   } catch (const std::bad_alloc&) {
     complain(Error{"", "", "out of memory"});
   } catch (const std::exception& problem) {

@@ -3,9 +3,10 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <cstdio>
 
 #include <fmt/format.h>
+
+#include "formats/console.h"
 
 namespace overcast {
 
@@ -21,21 +22,19 @@ void ProgressBar::update(double share) {
   if (!draws_ || percent == shown_) return;
   constexpr int kWidth = 40;
   const auto full = static_cast<std::size_t>(percent * kWidth / 100);
-  fmt::print(stderr, "\r[{}{}] {:3d} %", std::string(full, '#'), std::string(kWidth - full, ' '), percent);
-  std::fflush(stderr);
+  printMessage(fmt::format("\r[{}{}] {:3d} %", std::string(full, '#'), std::string(kWidth - full, ' '), percent));
   shown_ = percent;
 }
 
 void ProgressBar::line(const std::string& text) {
   const std::lock_guard lock(mutex_);
   wipe();
-  fmt::print(stderr, "{}\n", text);
+  printMessage(oneLine(text) + "\n");
 }
 
 void ProgressBar::wipe() {
   if (shown_ < 0) return;
-  fmt::print(stderr, "\r\033[K");
-  std::fflush(stderr);
+  printMessage("\r\033[K");
   shown_ = -1;
 }
 

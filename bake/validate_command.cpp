@@ -1,11 +1,10 @@
 #include "bake/validate_command.h"
 
-#include <cstdio>
-
 #include <CLI/CLI.hpp>
 
 #include "bake/command.h"
 #include "bake/validate.h"
+#include "formats/console.h"
 
 namespace overcast {
 
@@ -19,8 +18,8 @@ int validateCommand(const std::vector<std::string>& arguments) {
     complain(findings.error());
     return kBadInput;
   }
-  for (const std::string& finding : findings.value()) fmt::print("{}\n", finding);
-  if (findings.value().empty()) fmt::print(stderr, "{}: valid\n", path.string());
+  for (const std::string& finding : findings.value()) printResult(oneLine(finding) + "\n");
+  if (findings.value().empty()) printMessage(oneLine(path.string() + ": valid") + "\n");
   return findings.value().empty() ? kOk : kNotValid;
 }
 

@@ -25,7 +25,7 @@ Result<Done> writeFileAtomically(const std::filesystem::path& path, std::string_
 /// 128-bit hash (XXH3) of the bytes as 32 lower-case hexadecimal digits. Not cryptographic: it names content, it does not authenticate it.
 std::string contentHash(std::span<const std::byte> bytes);
 
-/// `relative` (a URI path inside an asset, percent-decoded) resolved against `folder`; an Error when it is absolute, has a scheme, or
+/// `relative` (a URI path inside an asset, still percent-encoded) resolved against `folder`; an Error when it is absolute, has a scheme, or
 /// leaves the folder (DESIGN, PITFALLS "Formats").
 Result<std::filesystem::path> resolveInside(const std::filesystem::path& folder, std::string_view relative);
 

@@ -9,7 +9,6 @@
 #include <nlohmann/json.hpp>
 
 #include "formats/files.h"
-#include "formats/uri.h"
 
 namespace overcast {
 namespace {
@@ -127,7 +126,7 @@ Result<std::vector<unsigned char>> readBuffer(const std::filesystem::path& asset
   const Json& uri = member(buffer, "uri");
   std::vector<std::byte> file;
   if (uri.is_string()) {
-    auto inside = resolveInside(asset.parent_path(), pathFromUri(uri.get<std::string>()));
+    auto inside = resolveInside(asset.parent_path(), uri.get<std::string>());
     if (!inside) return Error{"", place + "/uri", inside.error().reason};
     auto read = readFile(inside.value());
     if (!read) return Error{"", place + "/uri", message(read.error())};

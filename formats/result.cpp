@@ -2,6 +2,8 @@
 
 #include <cstdio>
 
+#include "formats/console.h"
+
 namespace overcast {
 
 std::string message(const Error& error) {
@@ -11,9 +13,7 @@ std::string message(const Error& error) {
     if (!line.empty()) line += ": ";
     line += *part;
   }
-  for (char& c : line)
-    if (c == '\n' || c == '\r') c = ' ';
-  return line;
+  return oneLine(std::move(line));
 }
 
 void stop(const char* file, int line, const std::string& what) {

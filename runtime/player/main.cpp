@@ -1,6 +1,8 @@
 // overcast-player: plays a baked scene.
-#include <cstdio>
+#include <exception>
+#include <new>
 
+#include "formats/console.h"
 #include "runtime/player/headless.h"
 #include "runtime/player/options.h"
 #include "runtime/player/report.h"
@@ -11,13 +13,13 @@ namespace overcast {
 namespace {
 
 int fail(const Error& error, ExitCode code) {
-  fmt::print(stderr, "overcast-player: {}\n", message(error));
+  printMessage(fmt::format("overcast-player: {}\n", message(error)));
   return static_cast<int>(code);
 }
 
-int listDevicesTo(std::FILE* out, bool asJson) {
+int printDevices(bool asJson) {
   const std::vector<DeviceInfo> devices = listDevices();
-  fmt::print(out, "{}", asJson ? json(devices) : table(devices));
+  printResult(asJson ? json(devices) : table(devices));
   if (devices.empty()) return fail({"", "", "no Vulkan device was found"}, ExitCode::noDevice);
   return static_cast<int>(ExitCode::ok);
 }
@@ -25,9 +27,10 @@ int listDevicesTo(std::FILE* out, bool asJson) {
 std::optional<Failure> playPictures(const Device& device, const RuntimeScene& scene, const PlayerOptions& options) {
   PlayResult result;
   if (auto failure = playHeadless(device, scene, options, result)) return failure;
-  fmt::print("{}", options.json ? json(options, result) : table(result));
+  printResult(options.json ? json(options, result) : table(result));
   if (!options.json && !result.pictures.empty())
-    fmt::print("pictures: {}{}\n", result.pictures.front(), result.pictures.size() > 1 ? " to " + result.pictures.back() : "");
+    printResult(
+        fmt::format("pictures: {}{}\n", result.pictures.front(), result.pictures.size() > 1 ? " to " + result.pictures.back() : ""));
   return std::nullopt;
 }
 
@@ -35,7 +38,7 @@ std::optional<Failure> playPictures(const Device& device, const RuntimeScene& sc
 int playOn(const Device& device, const PlayerOptions& options, const Window& window) {
   Result<RuntimeScene> scene = loadScene(device, options.scene);
   if (!scene) return fail(scene.error(), scene.error().file.empty() ? ExitCode::noDevice : ExitCode::unreadable);
-  for (const std::string& note : scene.value().scene.notes) fmt::print(stderr, "overcast-player: note: {}\n", note);
+  for (const std::string& note : scene.value().scene.notes) printMessage(oneLine("overcast-player: note: " + note) + "\n");
   const auto failure =
       options.headless ? playPictures(device, scene.value(), options) : playInWindow(device, scene.value(), options, window);
   destroyScene(device, scene.value());
@@ -49,14 +52,14 @@ int play(const PlayerOptions& options, const Window& window) {
   int code = playOn(device.value(), options, window);
   closeDevice(device.value());
   if (const std::uint64_t messages = validationMessages(device.value())) {
-    for (const std::string& text : device.value().validation->texts) fmt::print(stderr, "{}\n", text);
+    for (const std::string& text : device.value().validation->texts) printMessage(text + "\n");
     code = fail({"", "", fmt::format("{} validation messages", messages)}, ExitCode::internal);
   }
   return code;
 }
 
 int run(const PlayerOptions& options) {
-  if (options.listDevices) return listDevicesTo(stdout, options.json);
+  if (options.listDevices) return printDevices(options.json);
   if (options.headless) return play(options, {});
   Result<Window> window = openWindow(options);
   if (!window) return fail(window.error(), ExitCode::usage);
@@ -69,6 +72,16 @@ int run(const PlayerOptions& options) {
 }  // namespace overcast
 
 int main(int argc, char** argv) {
-  const overcast::ParsedOptions parsed = overcast::parseOptions(argc, argv);
-  return parsed.exitCode ? *parsed.exitCode : overcast::run(parsed.options);
+  using namespace overcast;
+  holdStandardStreams();
+  try {
+    const ParsedOptions parsed = parseOptions(argc, argv);
+    const int code = parsed.exitCode ? *parsed.exitCode : run(parsed.options);
+    const auto flushed = flushResults();
+    return flushed || code != 0 ? code : fail(flushed.error(), ExitCode::unwritable);
+  } catch (const std::bad_alloc&) {
+    return fail({"", "", "out of memory"}, ExitCode::internal);
+  } catch (const std::exception& problem) {
+    return fail({"", "", fmt::format("internal error: {}", problem.what())}, ExitCode::internal);
+  }
 }

@@ -7,6 +7,7 @@
 
 #include <CLI/CLI.hpp>
 
+#include "formats/console.h"
 #include "formats/image.h"
 #include "runtime/passes/shade/shade.h"
 
@@ -119,7 +120,11 @@ ParsedOptions parseOptions(int argc, char** argv) {
     check(options);
   } catch (const CLI::ParseError& error) {
     const bool failed = error.get_exit_code() != 0;
-    app.exit(error);
+    if (failed) {
+      printMessage(oneLine(fmt::format("overcast-player: {} (see --help)", error.what())) + "\n");
+    } else {
+      app.exit(error);
+    }
     parsed.exitCode = static_cast<int>(failed ? ExitCode::usage : ExitCode::ok);
   }
   return parsed;

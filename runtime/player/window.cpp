@@ -6,6 +6,7 @@
 #define GLFW_INCLUDE_VULKAN
 #include <GLFW/glfw3.h>
 
+#include "formats/console.h"
 #include "runtime/frame.h"
 #include "runtime/orbit.h"
 #include "runtime/player/swapchain.h"
@@ -137,7 +138,7 @@ std::optional<Failure> savePicture(const Device& device, const FrameRenderer& re
   if (!picture) return Failure{picture.error(), ExitCode::noDevice};
   const Result<Done> written = writePng(file, picture.value());
   if (!written) return Failure{written.error(), ExitCode::unwritable};
-  fmt::print(stderr, "overcast-player: saved {}\n", file);
+  printMessage(fmt::format("overcast-player: saved {}\n", file));
   return std::nullopt;
 }
 
