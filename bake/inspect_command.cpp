@@ -78,9 +78,16 @@ void inspectMesh(const MeshFile& file, Findings& findings) {
   for (const std::string& note : notes) findings.lines.push_back("note: " + note);
 }
 
+/// The file that holds the occluder, or its numbers.
+std::string place(const Occluder& occluder) {
+  if (!occluder.primitive) return occluder.uri;
+  const Primitive& p = *occluder.primitive;
+  return fmt::format("{} of half extents {:.4g} {:.4g} {:.4g}", name(p.shape), p.halfExtents.x, p.halfExtents.y, p.halfExtents.z);
+}
+
 std::string occluderLine(const Occluder& occluder) {
   return fmt::format("  {} {}, {} bytes, box {}, error max {:.3g} rms {:.3g}, {} sign errors in {} points, {}, from {}",
-                     name(occluder.representation), occluder.uri, grouped(occluder.bytes), text(occluder.bounds), occluder.error.max,
+                     name(occluder.representation), place(occluder), grouped(occluder.bytes), text(occluder.bounds), occluder.error.max,
                      occluder.error.rms, grouped(occluder.error.signErrors), grouped(occluder.error.samples), occluder.signMethod,
                      occluder.source);
 }

@@ -5,6 +5,8 @@
 
 #include <glm/geometric.hpp>
 
+#include "formats/asset.h"
+#include "formats/extension_json.h"
 #include "formats/files.h"
 #include "formats/scene.h"
 #include "formats/volume.h"
@@ -36,30 +38,43 @@ std::vector<std::string> checkNumbers(const Occluder& occluder, const Box& mesh)
   if (error.signErrors > error.samples) findings.push_back(fmt::format("{} sign errors at {} points", error.signErrors, error.samples));
   if (!std::isfinite(occluder.influenceRadius) || occluder.influenceRadius < 0.0)
     findings.push_back(fmt::format("influence radius is {}", occluder.influenceRadius));
-  if (!contains(occluder.bounds, mesh)) findings.push_back("the mesh reaches beyond the occluder's bounds");
+  // A primitive is defined everywhere and may well be the smaller of the two.
+  if (!occluder.primitive && !contains(occluder.bounds, mesh)) findings.push_back("the mesh reaches beyond the occluder's bounds");
   return findings;
 }
 
-std::vector<std::string> checkFile(const Occluder& occluder, const fs::path& folder) {
-  const auto path = resolveInside(folder, occluder.uri);
-  if (!path) return {message(path.error())};
-  const auto bytes = readFile(path.value());
+/// Size and hash of the asset's file; primitives have none.
+std::vector<std::string> checkFile(const Occluder& occluder, const fs::path& path) {
+  const auto bytes = readFile(path);
   if (!bytes) return {message(bytes.error())};
   std::vector<std::string> findings;
-  const std::string file = path.value().string();
   if (bytes.value().size() != occluder.bytes)
-    findings.push_back(fmt::format("{}: has {} bytes, the scene says {}", file, bytes.value().size(), occluder.bytes));
-  if (contentHash(bytes.value()) != occluder.contentHash) findings.push_back(file + ": content does not match the scene's hash");
-  const auto volume = readVolume(path.value());
-  if (!volume) {
-    findings.push_back(message(volume.error()));
+    findings.push_back(fmt::format("{}: has {} bytes, the scene says {}", path.string(), bytes.value().size(), occluder.bytes));
+  if (contentHash(bytes.value()) != occluder.contentHash) findings.push_back(path.string() + ": content does not match the scene's hash");
+  return findings;
+}
+
+std::vector<std::string> checkAsset(Occluder occluder, const fs::path& folder) {
+  std::vector<std::string> findings;
+  std::string file = "primitive";
+  if (!occluder.primitive) {
+    const auto path = resolveInside(folder, occluder.uri);
+    if (!path) return {message(path.error())};
+    file = path.value().string();
+    findings = checkFile(occluder, path.value());
+    // What the file holds is looked at whatever its hash, which has had its finding.
+    if (const auto bytes = readFile(path.value())) occluder.contentHash = contentHash(bytes.value());
+  }
+  const auto asset = readAsset(folder, occluder);
+  if (!asset) {
+    if (findings.empty()) findings.push_back(message(asset.error()));
     return findings;
   }
-  if (!agree(bounds(volume.value()), occluder.bounds)) findings.push_back(file + ": bounds differ from the scene's");
-  if (volume.value().signMethod != occluder.signMethod)
-    findings.push_back(
-        fmt::format("{}: sign method '{}' differs from the scene's '{}'", file, volume.value().signMethod, occluder.signMethod));
-  const double steepest = lipschitzBound(volume.value());
+  if (!agree(bounds(asset.value()), occluder.bounds)) findings.push_back(file + ": bounds differ from the scene's");
+  const auto* volume = std::get_if<Volume>(&asset.value());
+  if (volume && volume->signMethod != occluder.signMethod)
+    findings.push_back(fmt::format("{}: sign method '{}' differs from the scene's '{}'", file, volume->signMethod, occluder.signMethod));
+  const double steepest = lipschitzBound(asset.value());
   if (steepest > occluder.lipschitz * (1.0 + 1e-9))
     findings.push_back(fmt::format("{}: is steeper ({:.4f}) than the scene says ({:.4f})", file, steepest, occluder.lipschitz));
   return findings;
@@ -77,7 +92,7 @@ Result<std::vector<std::string>> validate(const fs::path& path) {
   const auto scene = readScene(path);
   if (!scene) return scene.error();
   std::vector<std::string> findings;
-  std::map<std::string, std::vector<std::string>> checked;  // by uri and hash: nodes may share a file
+  std::map<std::string, std::vector<std::string>> checked;  // nodes may share an occluder
   std::size_t meshNodes = 0;
   for (std::size_t i = 0; i < scene.value().nodes.size(); ++i) {
     const Node& node = scene.value().nodes[i];
@@ -90,8 +105,8 @@ Result<std::vector<std::string>> validate(const fs::path& path) {
     }
     for (const std::string& finding : checkNumbers(*node.occluder, bounds(scene.value().meshes[static_cast<std::size_t>(node.mesh)])))
       findings.push_back(place + ": " + finding);
-    const auto [entry, fresh] = checked.emplace(node.occluder->uri + '\n' + node.occluder->contentHash, std::vector<std::string>{});
-    if (fresh) entry->second = checkFile(*node.occluder, path.parent_path());
+    const auto [entry, fresh] = checked.emplace(occluderJson(*node.occluder), std::vector<std::string>{});
+    if (fresh) entry->second = checkAsset(*node.occluder, path.parent_path());
     for (const std::string& finding : entry->second) findings.push_back(place + ": " + finding);
   }
   if (meshNodes == 0) findings.push_back(path.string() + ": holds no mesh");

@@ -157,6 +157,32 @@ TEST_F(Frames, ShareVolumesAndCentreMeshes) {
   EXPECT_NEAR(eye(viewAt(0.0)).y, 5.0, 1e-6) << "the scene's own camera";
 }
 
+TEST_F(Frames, OfPrimitivesLookLikeThoseOfVolumes) {
+  const fs::path folder = temporaryFolder();
+  open(writeBakedScene(folder), settings);
+  render(0.0);
+  const Image volumes = linear();
+  close();
+  Scene same = bakedScene(folder, {});
+  for (Node& node : same.nodes) {
+    const Box box = bounds(same.meshes[static_cast<std::size_t>(node.mesh)]);
+    const PrimitiveShape shape = node.mesh == 1 ? PrimitiveShape::ellipsoid : PrimitiveShape::cuboid;
+    const Primitive primitive{shape, centre(box), {1.0, 0.0, 0.0, 0.0}, 0.5 * extent(box)};
+    ASSERT_TRUE(writeAsset(folder, "unused", primitive, *node.occluder).ok());
+  }
+  ASSERT_TRUE(writeScene(folder / "primitives.gltf", same).ok());
+  open(folder / "primitives.gltf", settings);
+  EXPECT_EQ(scene.assets.size(), 3u) << "nodes of the same numbers share an asset";
+  render(0.0);
+  const Image primitives = linear();
+  double squares = 0.0;
+  for (std::size_t i = 0; i < volumes.pixels.size(); ++i)
+    squares += std::pow(double{volumes.pixels[i]} - double{primitives.pixels[i]}, 2.0);
+  const double rms = std::sqrt(squares / static_cast<double>(volumes.pixels.size()));
+  EXPECT_LT(rms, 0.05);
+  EXPECT_GT(rms, 0.0) << "both scenes show the same thing";
+}
+
 class Loading : public Frames {
  protected:
   void expectError(const fs::path& file, const std::string& where, const std::string& what) {

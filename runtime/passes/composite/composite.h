@@ -27,7 +27,7 @@ const float kRelativeSlack = 0.001953125f;
 /// Kinds of objects. Of all but primitives the distance is known within the box and continued beyond it.
 const uint kKindVolume = 0u;       ///< parameters: xyz: centre of the first sample in the atlas, texels. Units: voxels; boxMin is 0
 const uint kKindCuboid = 1u;       ///< parameters: xyz: half extents. Units: global voxels, or local ones where the transform shears
-const uint kKindEllipsoid = 2u;    ///< parameters: xyz: half extents, w: the smallest of them. Units: global voxels
+const uint kKindEllipsoid = 2u;    ///< parameters: xyz: half extents, z the smallest. Units: global voxels
 const uint kKindRadius = 3u;       ///< see radius.h
 const uint kKindHeightField = 4u;  ///< parameters: xy: size of a texel; field: see heightfield.h. Units: the longer side of a finest texel
 

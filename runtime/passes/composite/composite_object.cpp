@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstddef>
 #include <limits>
+#include <utility>
 
 #include <glm/geometric.hpp>
 #include <glm/gtc/quaternion.hpp>
@@ -148,7 +149,11 @@ shared::CompositeObject compositeObject(const Primitive& primitive, const glm::d
   for (int axis = 0; axis < 3; ++axis) columns[axis] *= primitive.halfExtents[axis];
   if (!(largestMagnitude(columns) / grid.voxelSize < kLargestCoordinate)) return {};
   const bool ellipsoid = primitive.shape == PrimitiveShape::ellipsoid;
-  if (ellipsoid) columns = orthogonalColumns(columns);
+  if (ellipsoid) {
+    columns = orthogonalColumns(columns);
+    for (const int axis : {0, 1})
+      if (glm::length(columns[axis]) < glm::length(columns[2])) std::swap(columns[axis], columns[2]);
+  }
   glm::dvec3 half = primitive.halfExtents;
   if (ellipsoid || hasOrthogonalColumns(columns)) {
     glm::dmat3 frame;
@@ -158,12 +163,13 @@ shared::CompositeObject compositeObject(const Primitive& primitive, const glm::d
   }
   const double largest = largestOf(half);
   half = glm::max(half, glm::dvec3(kThinnestPrimitive * largest));  // thinner than single floats can follow
-  const double smallest = std::min({half.x, half.y, half.z});
   PlacedObject placed = placeObject({-half, half}, worldFromUnits, grid);
   if (placed.object.present == 0) return {};
   placed.object.kind = ellipsoid ? shared::kKindEllipsoid : shared::kKindCuboid;
-  placed.object.parameters = glm::vec4(glm::dvec4(half, smallest));
-  const double solving = ellipsoid ? static_cast<double>(shared::kEllipsoidError) * largest : 0.0;
+  placed.object.parameters = glm::vec4(glm::vec3(half), 0.0f);
+  // The error grows as an ellipsoid becomes thinner than a thousandth of its length.
+  const double thin = std::max(1.0, 0.001 * largest / std::min({half.x, half.y, half.z}));
+  const double solving = ellipsoid ? static_cast<double>(shared::kEllipsoidError) * thin * largest : 0.0;
   placed.object.slack = static_cast<float>(2.0 * (solving + placed.rounding));
   return placed.object;
 }
