@@ -1,5 +1,8 @@
 // overcast-player: plays a baked scene.
+#include <cstdint>
+#include <cstdlib>
 #include <exception>
+#include <filesystem>
 #include <new>
 
 #include "formats/console.h"
@@ -8,9 +11,21 @@
 #include "runtime/player/report.h"
 #include "runtime/player/window.h"
 #include "runtime/scene.h"
+#include "runtime/vulkan/shader.h"
 
 namespace overcast {
 namespace {
+
+/// Mesa maps its shader cache into memory, in the same folder as ours, and on a full disk it ends the process with SIGBUS: there it has to
+/// do without. Its index alone takes 1.3 MB.
+void keepDriverOffFullDisk() {
+  constexpr std::uintmax_t kRoom = std::uintmax_t{16} << 20;
+  std::filesystem::path folder = shaderCacheFolder();
+  std::error_code code;
+  while (!folder.empty() && folder != folder.parent_path() && !std::filesystem::exists(folder, code)) folder = folder.parent_path();
+  const std::filesystem::space_info space = std::filesystem::space(folder, code);
+  if (!code && space.available < kRoom) setenv("MESA_SHADER_CACHE_DISABLE", "true", 0);
+}
 
 int fail(const Error& error, ExitCode code) {
   printMessage(fmt::format("overcast-player: {}\n", message(error)));
@@ -59,6 +74,7 @@ int play(const PlayerOptions& options, const Window& window) {
 }
 
 int run(const PlayerOptions& options) {
+  keepDriverOffFullDisk();
   if (options.listDevices) return printDevices(options.json);
   if (options.headless) return play(options, {});
   Result<Window> window = openWindow(options);

@@ -133,6 +133,19 @@ TEST_F(PlayerCommand, EndsUnwritablePicturesWithFour) {
   EXPECT_THAT(result.output, HasSubstr("scene.gltf: cannot create the folder"));
 }
 
+// The cache of the driver is mapped into memory: written on a full disk it would be SIGBUS.
+TEST_F(PlayerCommand, PlaysWithItsCacheOnAFullDisk) {
+  fs::create_directories(folder / "cache");
+  const std::string mounted = "mount -t tmpfs -o size=64k tmpfs cache && ";
+  if (shell(fmt::format("unshare -m sh -c {}", test::quoted(mounted + "true")), folder).exitCode != 0) GTEST_SKIP() << "may not mount here";
+  const std::string play =
+      fmt::format("VK_DRIVER_FILES={} XDG_CACHE_HOME=cache {}/overcast-player scene.gltf --headless --size 16x16 -o full.png",
+                  test::quoted(driver), test::quoted(OVERCAST_BINARY_FOLDER));
+  const ShellResult result = shell(fmt::format("unshare -m sh -c {}", test::quoted(mounted + play)), folder);
+  EXPECT_EQ(result.exitCode, 0) << result.output;
+  EXPECT_TRUE(fs::exists(folder / "full.png"));
+}
+
 TEST_F(PlayerCommand, SaysThatAWindowNeedsADisplay) {
   unsetenv("DISPLAY");
   unsetenv("WAYLAND_DISPLAY");
