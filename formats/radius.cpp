@@ -86,6 +86,46 @@ void deriveBox(RadiusLevel& level) {
   level.box.max += kRadiusPadding * level.largest;
 }
 
+/// Lowers falloffs until none differs from another by more than kFalloffSlope times the angle between them, by sweeps along the faces and
+/// an exchange over the edges. Lower ones only draw distances towards zero.
+void limitFalloff(RadiusLevel& level) {
+  const int n = level.side;
+  std::vector<glm::dvec3> unit(level.texel.size());
+  std::vector<std::size_t> standsFor(level.texel.size());
+  for (unsigned face = 0; face < shared::kCubeFaces; ++face)
+    for (int j = 0; j < n; ++j)
+      for (int i = 0; i < n; ++i) {
+        const glm::dvec3 direction = texelDirection(n, face, i, j);
+        unit[texelIndex(n, face, i, j)] = glm::normalize(direction);
+        standsFor[texelIndex(n, face, i, j)] = texelTowards(n, direction);
+      }
+  bool changed = true;
+  const auto lower = [&](std::size_t at, float value) {
+    if (!(value < level.texel[at].falloff)) return;
+    level.texel[at].falloff = value;
+    changed = true;
+  };
+  const auto from = [&](std::size_t at, std::size_t other) {
+    lower(at, level.texel[other].falloff + static_cast<float>(kFalloffSlope * glm::length(unit[at] - unit[other])));
+  };
+  const auto row = static_cast<std::size_t>(n), perFace = row * row;
+  while (changed) {
+    changed = false;
+    for (std::size_t first = 0; first < level.texel.size(); first += perFace) {
+      for (std::size_t i = 0; i < perFace; ++i) {
+        if (i % row > 0) from(first + i, first + i - 1);
+        if (i >= row) from(first + i, first + i - row);
+      }
+      for (std::size_t i = perFace; i-- > 0;) {
+        if (i % row + 1 < row) from(first + i, first + i + 1);
+        if (i + row < perFace) from(first + i, first + i + row);
+      }
+    }
+    for (std::size_t i = 0; i < level.texel.size(); ++i) lower(standsFor[i], level.texel[i].falloff);
+    for (std::size_t i = 0; i < level.texel.size(); ++i) lower(i, level.texel[standsFor[i]].falloff);
+  }
+}
+
 /// `footprint` is the variance of the texel's filter along one axis in squared texels.
 void derive(RadiusLevel& level, double footprint) {
   double leastMean = level.texel.front().mean;
@@ -108,6 +148,7 @@ void derive(RadiusLevel& level, double footprint) {
         const double steep = std::max(squaredSlope(level, direction), rough) / (double{texel.mean} * texel.mean);
         texel.falloff = static_cast<float>(1.0 / std::sqrt(1.0 + steep));
       }
+  limitFalloff(level);
 }
 
 /// Ranges over one cell of a face.
@@ -228,7 +269,10 @@ double sampleRadius(const RadiusField& field, const glm::dvec3& point, int level
   const glm::dvec3 closest = glm::clamp(fromCentre, chosen.box.min, chosen.box.max);
   const double phi = firstOrderDistance(chosen, closest);
   const double beyond = glm::length(fromCentre - closest);
-  return beyond == 0.0 ? phi : std::hypot(beyond, phi);  // never negative on the border of the box
+  if (beyond == 0.0) return phi;
+  // Never negative on the border of the box, where the closest point is far from the centre.
+  const double cosine = std::max(glm::dot(fromCentre - closest, closest) / (beyond * glm::length(closest)), 0.0);
+  return std::sqrt(beyond * beyond + phi * phi + 2.0 * beyond * phi * std::min(cosine, 1.0));
 }
 
 double lipschitzBound(const RadiusField& field, int level) {

@@ -55,7 +55,8 @@ inline constexpr int kSmallestRadiusSide = 8;
 inline constexpr int kLargestRadiusSide = 128;
 /// Up to this share of a level's smallest radius about the centre, the distance is drawn out linearly from its value at the centre: there
 /// directions turn too fast for the first-order formula.
-inline constexpr double kRadiusCore = 0.5;
+inline constexpr double kRadiusCore = 0.9;
+inline constexpr double kFalloffSlope = 1.0;
 /// Largest ratio of largest to smallest radius: beyond it the centre is as good as on the surface.
 inline constexpr double kLargestRadiusRatio = 1e4;
 
@@ -67,6 +68,8 @@ bool isWhole(const RadiusField& field);
 /// s^2 r^2 is the larger of |grad_s r|^2 (central differences of the means over directions, one texel each way, right across edges of the
 /// cube) and the squared slope that would give the stored variance over the texel's footprint: on smooth surfaces both are the same; on
 /// rough ones, and on the blurred levels, the variance widens the falloff.
+/// It is then lowered where it would change by more than kFalloffSlope per radian: away from the surface a falloff that jumps
+/// from texel to texel makes distances that jump, and leaves no bound to cull by.
 void derive(RadiusField& field);
 
 /// The box of the finest level, local space.
@@ -76,12 +79,15 @@ inline constexpr double kRadiusPadding = 0.125;
 /// Distance at `point` (local space, finite), local units. Within the box first-order: (rho - r) falloff with rho = |p - centre| and r and
 /// falloff interpolated bilinearly, kept within what a solid that holds the ball of the smallest radius and lies in that of the largest one
 /// allows: -r_min - rho and rho - r_max from below, rho - r_min from above; towards the centre, within rho_0 = kRadiusCore r_min, linear
-/// between -r_min (exact) at the centre and the value at rho_0. Beyond the box continued as volumes are. Continuous everywhere.
+/// between -r_min (exact) at the centre and the value at rho_0. Beyond the box, with q the closest point of the
+/// box and g the gap, sqrt(g^2 + phi(q)^2 + 2 g phi(q) c) as for volumes, where c is the cosine of the angle between the gap and the
+/// direction from the centre to q, at least 0: exact for spheres. Continuous everywhere.
 double sampleRadius(const RadiusField& field, const glm::dvec3& point, int level = 0);
 
-/// A Lipschitz constant of sampleRadius over all of space, at least 1: over every cell and every rho at which the first-order formula is
-/// not cut off, the gradient has falloff along the ray and |(rho - r) grad falloff - falloff grad r| / rho across it, where gradients over
-/// directions follow from differences along the cell's edges and the metric of the face, (1 + |x|^2) (I + x x^T).
+/// A Lipschitz constant over all of space of sampleRadius within the box and of its lower bound (c = 0) beyond it, at least 1: over every
+/// cell and every rho at which the first-order formula is not cut off, the gradient has falloff along the ray and |(rho - r) grad falloff -
+/// falloff grad r| / rho across it, where gradients over directions follow from differences along the cell's edges and the metric of the
+/// face, (1 + |x|^2) (I + x x^T).
 double lipschitzBound(const RadiusField& field, int level = 0);
 
 /// The field as readRadius gives it back after writeRadius: means and variances rounded, falloffs derived from these.

@@ -63,6 +63,7 @@ float objectDistance(CompositeObject object, vec3 local) {
     precise float inner = boxedDistance(object, closest - direction) * object.axisScale.w;
     slope = slopeAlong(object, direction, inner, phi);
   }
+  if (object.kind == kKindRadius && gap > 0.0f) slope = radiusSlope(object, local, closest);
   return extendedDistance(phi, gap, slope);
 }
 

@@ -37,6 +37,14 @@ OVERCAST_INLINE float radiusDistance(OVERCAST_FIELDS CompositeObject object, vec
   return blended;
 }
 
+/// Cosine of the angle between the gap beyond the box and the direction from the centre, as they are in global voxels.
+OVERCAST_INLINE float radiusSlope(CompositeObject object, vec3 local, vec3 closest) {
+  OVERCAST_PRECISE vec3 gap = (local - closest) * vec3(object.axisScale);
+  OVERCAST_PRECISE vec3 outward = closest * vec3(object.axisScale);
+  OVERCAST_PRECISE float cosine = dot(gap, outward) / sqrt(dot(gap, gap) * dot(outward, outward));
+  return cosine;
+}
+
 OVERCAST_SHARED_END
 
 #endif
