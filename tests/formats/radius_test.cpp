@@ -81,8 +81,9 @@ TEST(Radius, SphereAboutItsCentreIsExactEverywhereInTheBox) {
 }
 
 TEST(Radius, ConvergesToTheFirstOrderDistanceOfClosedForms) {
-  const RadiusFunction functions[] = {reference::sphereRadius({0.5, 0.1, -0.2}, 1.0), reference::ellipsoidRadius({1.0, 0.6, 0.8}),
-                                      reference::bumpyRadius()};
+  // Gentle ones, whose falloff never turns faster than kFalloffSlope.
+  const RadiusFunction functions[] = {reference::sphereRadius({0.3, 0.1, -0.2}, 1.0), reference::ellipsoidRadius({1.0, 0.8, 0.9}),
+                                      [](const glm::dvec3& d) { return 1.0 + 0.1 * std::sin(3.0 * d.x + 2.0 * d.y + 1.0); }};
   for (const RadiusFunction& radius : functions) {
     double before = 1e300;
     for (const int side : {16, 32, 64, 128}) {
@@ -153,27 +154,52 @@ TEST(Radius, IsNeverNegativeOnTheBorderOfTheBoxAtAnyLevel) {
     }
 }
 
+TEST(Radius, FalloffTurnsNoFasterThanAllowed) {
+  const RadiusField field = fieldOf(reference::cuboidRadius({1.0, 0.2, 0.3}), 32, glm::dvec3(0.0), 1e-4f);
+  double steepest = 0.0;
+  for (const RadiusLevel& level : field.levels)
+    for (unsigned face = 0; face < 6; ++face)
+      for (int j = 0; j < level.side; ++j)
+        for (int i = 0; i + 1 < level.side; ++i) {
+          const double difference =
+              level.texel[texelIndex(level.side, face, i, j)].falloff - level.texel[texelIndex(level.side, face, i + 1, j)].falloff;
+          const double angle = std::acos(std::min(1.0, glm::dot(glm::normalize(texelDirection(level.side, face, i, j)),
+                                                                glm::normalize(texelDirection(level.side, face, i + 1, j)))));
+          steepest = std::max(steepest, std::abs(difference) / angle);
+        }
+  EXPECT_LE(steepest, kFalloffSlope * 1.0001);
+  EXPECT_GT(steepest, 0.9 * kFalloffSlope) << "the shape is too gentle to test this";
+}
+
 TEST(Radius, NeverExceedsItsLipschitzBound) {
   for (const auto& [name, field] : shapes())
     for (std::size_t l = 0; l < field.levels.size(); ++l) {
       const int level = static_cast<int>(l);
       const double bound = lipschitzBound(field, level);
-      Box wide = bounds(field);
-      const double size = diagonal(wide);
-      wide.min -= 0.3 * size;
-      wide.max += 0.3 * size;
+      const Box& box = field.levels[l].box;
+      const double size = diagonal(box);
+      // The field's lower and upper bound: itself within the box.
+      const auto bounds = [&](const glm::dvec3& p) {
+        const glm::dvec3 closest = glm::clamp(p, box.min, box.max);
+        const double gap = glm::length(p - closest), phi = sampleRadius(field, field.centre + closest, level);
+        return glm::dvec2(gap == 0.0 ? phi : std::hypot(gap, phi), gap + phi);
+      };
       std::mt19937 random(5);
-      double steepest = 0.0;
-      for (const glm::dvec3& p : reference::randomPoints(wide, 4000, 7)) {
+      glm::dvec2 steepest(0.0);
+      for (const glm::dvec3& p : reference::randomPoints({box.min - 0.3 * size, box.max + 0.3 * size}, 4000, 7)) {
         // Half of the points close to the centre, where directions turn fast.
-        const glm::dvec3 a = random() % 2 ? p : field.centre + 0.1 * (p - field.centre);
+        const glm::dvec3 a = random() % 2 ? p : 0.1 * p;
         const double step = 1e-4 * size;
-        const glm::dvec3 b = a + step * randomUnit(random);
-        steepest = std::max(steepest, std::abs(sampleRadius(field, a, level) - sampleRadius(field, b, level)) / step);
+        steepest = glm::max(steepest, glm::abs(bounds(a) - bounds(a + step * randomUnit(random))) / step);
+        const glm::dvec2 range = bounds(a);
+        const double value = sampleRadius(field, field.centre + a, level);
+        ASSERT_GE(value, range.x - 1e-9 * size);
+        ASSERT_LE(value, range.y + 1e-9 * size);
       }
-      EXPECT_LE(steepest, bound * (1.0 + 2e-3)) << name << " level " << level;
+      EXPECT_LE(steepest.x, bound * (1.0 + 2e-3)) << name << " level " << level;
+      EXPECT_LE(steepest.y, std::hypot(1.0, bound) * (1.0 + 2e-3)) << name << " level " << level;
       EXPECT_GE(bound, 1.0);
-      EXPECT_LT(bound, 40.0) << name << ": so loose that it culls nothing";
+      EXPECT_LT(bound, 20.0) << name << ": so loose that it culls nothing";
     }
 }
 
