@@ -139,27 +139,44 @@ class TriangleWinding {
     const glm::i64vec3 normal = normalOf(corners[0], corners[1], corners[2]);
     for (int axis = 2; axis >= 0; --axis)
       if (normal[axis] != 0) tie_ = normal[axis] > 0 ? -1.0 : 1.0;
+    normal_ = glm::dvec3(normal);
   }
 
   double operator()(const glm::ivec3& point) const {
     const glm::dvec3 a(corners_[0] - point), b(corners_[1] - point), c(corners_[2] - point);
-    const double la = glm::length(a), lb = glm::length(b), lc = glm::length(c);
     double volume = glm::dot(a, glm::cross(b, c));
     // Coordinates below 2^30 give a rounding error below 2^41.
-    if (std::abs(volume) < 0x1p44) volume = exactVolume(point);
+    if (std::abs(volume) < 0x1p44) {
+      const Int128 exact = exactVolume(point);
+      if (exact == 0) return inPlane(a, b, c);
+      volume = static_cast<double>(exact);
+    }
+    return share(volume, a, b, c);
+  }
+
+ private:
+  static double share(double volume, const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c) {
+    const double la = glm::length(a), lb = glm::length(b), lc = glm::length(c);
     const double denominator = la * lb * lc + glm::dot(a, b) * lc + glm::dot(b, c) * la + glm::dot(c, a) * lb;
     return std::atan2(volume, denominator) * (0.5 / std::numbers::pi);
   }
 
- private:
-  double exactVolume(const glm::ivec3& point) const {
+  /// From a point of the triangle's plane. On an edge both arguments of the arc tangent vanish, and what remains is the direction in
+  /// which the point is moved off it: so it is moved, by x before y before z as the tie says, far enough for doubles to tell.
+  double inPlane(const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c) const {
+    const glm::dvec3 moved(0x1p-6, 0x1p-14, 0x1p-22);
+    const double volume = std::abs(glm::dot(normal_, moved));
+    return share(std::copysign(volume, tie_), a - moved, b - moved, c - moved);
+  }
+
+  Int128 exactVolume(const glm::ivec3& point) const {
     const glm::ivec3 a = corners_[0] - point, b = corners_[1] - point, c = corners_[2] - point;
     const auto minor = [](std::int64_t p, std::int64_t q, std::int64_t r, std::int64_t s) { return Int128{p} * s - Int128{q} * r; };
-    const Int128 volume = a.x * minor(b.y, b.z, c.y, c.z) - a.y * minor(b.x, b.z, c.x, c.z) + a.z * minor(b.x, b.y, c.x, c.y);
-    return volume != 0 ? static_cast<double>(volume) : std::copysign(0.0, tie_);
+    return a.x * minor(b.y, b.z, c.y, c.z) - a.y * minor(b.x, b.z, c.x, c.z) + a.z * minor(b.x, b.y, c.x, c.y);
   }
 
   std::array<glm::ivec3, 3> corners_;
+  glm::dvec3 normal_{0.0};
   double tie_ = 0.0;  ///< sign of the volume after moving a point of the triangle's plane by +x, +y, +z infinitesimally
 };
 

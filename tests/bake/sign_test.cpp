@@ -159,6 +159,16 @@ RC_GTEST_PROP(Sign, AnyChainOfLatticePointsMatchesBruteForce, ()) {
   RC_ASSERT(wrongSamples(mesh, Grid{glm::ivec3(12), glm::dvec3(-0.25), 0.47}) == 0);
 }
 
+// The samples (i, i, i) lie on the chord from (0, 0, 0) to (2, 2, 2), an inner edge of the surface that closes this mesh.
+TEST(Sign, SamplesOnAChordOfTheFillMatchBruteForce) {
+  Mesh mesh;
+  mesh.positions = {{1, 0, 0}, {0, 0, 0}, {2, 2, 2}, {0, 0, 1}};
+  mesh.triangles = {{2, 3, 0}, {3, 1, 0}, {3, 1, 0}};
+  EXPECT_EQ(wrongSamples(mesh, Grid{glm::ivec3(12), glm::dvec3(-0.25), 0.47}), 0);
+  for (glm::dvec3& p : mesh.positions) p = glm::dvec3(p.z, p.x, p.y);
+  EXPECT_EQ(wrongSamples(mesh, Grid{glm::ivec3(12), glm::dvec3(-0.25), 0.47}), 0);
+}
+
 TEST(Sign, SameForAnyThreadCount) {
   Mesh mesh = torusMesh(0.8, 0.35, 64, 32);
   std::erase_if(mesh.triangles, [i = 0](const glm::uvec3&) mutable { return ++i % 5 == 0; });
