@@ -190,7 +190,8 @@ Result<openvdb::FloatGrid::Ptr> findGrid(std::span<const std::byte> bytes, const
   MemoryBuffer buffer(bytes);
   std::istream in(&buffer);
   in.exceptions(std::ios::badbit | std::ios::failbit);
-  const openvdb::GridPtrVecPtr grids = openvdb::io::Stream(in).getGrids();
+  // Delayed loading would copy the file into a temporary one that a killed reader leaves behind.
+  const openvdb::GridPtrVecPtr grids = openvdb::io::Stream(in, false).getGrids();
   if (grids)
     for (const openvdb::GridBase::Ptr& grid : *grids) {
       if (!grid || grid->getName() != kGridName) continue;

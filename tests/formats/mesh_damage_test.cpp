@@ -155,7 +155,7 @@ TEST(DamagedMesh, AbsurdCountsCostNothing) {
     const fs::path path = folder.path / name;
     const auto begin = std::chrono::steady_clock::now();
     EXPECT_FALSE(readSafely(path, bytes).ok()) << name;
-    EXPECT_LT(std::chrono::steady_clock::now() - begin, std::chrono::seconds(2)) << name;
+    EXPECT_LT(std::chrono::steady_clock::now() - begin, std::chrono::seconds(10)) << name;
   }
 }
 

@@ -165,17 +165,18 @@ TEST(Sandbox, ManyAtOnceLeaveNoZombiesAndNoOpenFiles) {
 }
 
 TEST(Sandbox, AHungNeighbourDoesNotHoldUpTheOthers) {
-  std::thread slow([] {
+  std::atomic<bool> hung{true};
+  std::thread slow([&] {
     const auto result = run(
         []() -> Result<Bytes> {
           for (;;) ::pause();
         },
-        within(1500));
+        within(4000));
     EXPECT_FALSE(result.ok());
+    hung = false;
   });
-  const auto begin = Clock::now();
   for (int i = 0; i < 20; ++i) EXPECT_EQ(reasonOf(run([]() -> Result<Bytes> { std::abort(); })), "reader crashed (signal 6)");
-  EXPECT_LT(Clock::now() - begin, std::chrono::milliseconds(1400));
+  EXPECT_TRUE(hung) << "the others waited for the neighbour";
   slow.join();
 }
 
