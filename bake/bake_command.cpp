@@ -11,6 +11,7 @@
 #include <CLI/CLI.hpp>
 
 #include "bake/bake_report.h"
+#include "bake/choice_options.h"
 #include "bake/command.h"
 #include "bake/progress_bar.h"
 #include "bake/scene_bake.h"
@@ -25,7 +26,8 @@ struct Options {
   std::vector<fs::path> inputs;
   fs::path folder;
   std::string name;
-  VolumeSettings settings;
+  BakeSettings settings;
+  ChoiceOptions choice;
   int threads = 0;
   bool json = false;
   bool quiet = false;
@@ -42,7 +44,7 @@ std::string positiveNumber(const std::string& text) {
 void addOptions(CLI::App& app, Options& options) {
   static const std::map<std::string, VolumeBits> bits = {
       {"auto", VolumeBits::automatic}, {"16", VolumeBits::half}, {"32", VolumeBits::single}};
-  VolumeSettings& settings = options.settings;
+  VolumeSettings& settings = options.settings.volume;
   app.add_option("INPUT", options.inputs, "meshes (.obj .ply .stl .off) and scenes (.gltf .glb), side by side in one scene")->required();
   app.add_option("-o,--output", options.folder, "folder for the baked scene; made when missing")
       ->required()
@@ -62,12 +64,27 @@ void addOptions(CLI::App& app, Options& options) {
       ->check(CLI::Range(0, 100000000))
       ->capture_default_str();
   app.add_option("--seed", settings.seed, "seed of these points")->capture_default_str();
+  addChoiceOptions(app, options.choice);
   app.add_option("--threads", options.threads, "threads to use; 0: all. The result is the same for any number")
       ->check(CLI::Range(0, 4096))
       ->capture_default_str();
   app.add_flag("--keep-going", options.keepGoing, "bake the good inputs although others are bad (exit code 6)");
   app.add_flag("--json", options.json, "print one JSON document about everything on stdout");
   app.add_flag("--quiet", options.quiet, "print nothing on stderr but errors");
+}
+
+/// A size given by hand asks for a volume of that size, everything else about the choice for a choice.
+Result<Done> settleChoice(const CLI::App& app, Options& options) {
+  const bool sized = app.count("--resolution") + app.count("--voxel-size") + app.count("--bits") > 0;
+  const bool wanted = wantsChoice(options.choice);
+  if (sized && wanted && (options.choice.representation != "volume" || options.choice.maxError || options.choice.maxBytes))
+    return Error{"", "", "--resolution, --voxel-size and --bits ask for a volume of that size: there is nothing to choose (see --help)"};
+  if (sized || !wanted) return Done{};
+  const VolumeSettings& volume = options.settings.volume;
+  if (volume.errorSamples == 0) return Error{"", "", "choosing needs a measured error: --error-samples must be above 0 (see --help)"};
+  options.settings.choice = choiceSettings(options.choice, {volume.errorSamples, volume.seed});
+  options.settings.choice->padding = volume.padding;
+  return Done{};
 }
 
 /// Reads all inputs, several at once, in the order given.
@@ -127,9 +144,9 @@ void bakeWithMessages(SceneBake& bake, const Options& options) {
     return !interrupted();
   };
   bakeMeshes(bake, options.settings, progress, [&](const MeshBake& mesh) {
-    if (options.quiet || !mesh.volume) return;
+    if (options.quiet || !mesh.asset) return;
     bar.line(summaryLine(mesh));
-    printNotes(bar, mesh.source, remarks(mesh.volume->found, mesh.volume->ambiguousSign));
+    printNotes(bar, mesh.source, remarks(mesh.found, mesh.ambiguousSign));
   });
 }
 
@@ -177,10 +194,14 @@ int runBake(const Options& options) {
 }  // namespace
 
 int bakeCommand(const std::vector<std::string>& arguments) {
-  CLI::App app("Bakes the distance volumes of meshes and scenes into a glTF scene that overcast-player opens.", "overcast-bake");
+  CLI::App app("Bakes occluders of meshes and scenes into a glTF scene that overcast-player opens.", "overcast-bake");
   Options options;
   addOptions(app, options);
   if (const int code = parseArguments(app, arguments); code >= 0) return code;
+  if (const Result<Done> settled = settleChoice(app, options); !settled) {
+    complain(settled.error());
+    return kUsage;
+  }
   if (options.name.empty()) options.name = outputName(options.inputs);
   if (fs::path(options.name).filename() != options.name || options.name == "." || options.name == "..") {
     complain(Error{"", "", fmt::format("--name '{}' is not a plain file name", options.name)});

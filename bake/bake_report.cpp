@@ -24,36 +24,67 @@ Json toJson(const MeshDiagnosis& found) {
           {"degenerateTriangles", found.degenerateTriangles}};
 }
 
-Json toJson(const BakedVolume& baked, const Occluder& occluder) {
-  const Volume& volume = baked.volume;
-  const MeasuredError& error = baked.error;
-  return {{"representation", "volume"},
-          {"uri", occluder.uri},
-          {"bytes", occluder.bytes},
-          {"contentHash", occluder.contentHash},
-          {"size", {volume.size.x, volume.size.y, volume.size.z}},
-          {"voxelSize", volume.voxelSize},
-          {"bounds", {{"min", toJson(bounds(volume).min)}, {"max", toJson(bounds(volume).max)}}},
-          {"signMethod", volume.signMethod},
-          {"ambiguousSign", baked.ambiguousSign},
-          {"lipschitz", occluder.lipschitz},
-          {"error",
-           {{"max", error.max},
-            {"rms", error.rms},
-            {"maxVoxels", error.max / volume.voxelSize},
-            {"rmsVoxels", error.rms / volume.voxelSize},
-            {"signErrors", error.signErrors},
-            {"samples", error.samples},
-            {"seed", error.seed}}}};
+Json toJson(const MeasuredError& error) {
+  return {{"max", error.max},         {"rms", error.rms},
+          {"p99", error.p99},         {"surfaceRms", error.surfaceRms},
+          {"skyRmse", error.skyRmse}, {"signErrors", error.signErrors},
+          {"samples", error.samples}, {"seed", error.seed},
+          {"method", error.method}};
+}
+
+void addVolume(Json& json, const Volume& volume, const MeshBake& mesh) {
+  json["size"] = {volume.size.x, volume.size.y, volume.size.z};
+  json["voxelSize"] = volume.voxelSize;
+  json["signMethod"] = volume.signMethod;
+  json["ambiguousSign"] = mesh.ambiguousSign;
+  if (!mesh.inBox) return;
+  const MeasuredError& error = *mesh.inBox;
+  json["error"] = {{"max", error.max},
+                   {"rms", error.rms},
+                   {"maxVoxels", error.max / volume.voxelSize},
+                   {"rmsVoxels", error.rms / volume.voxelSize},
+                   {"signErrors", error.signErrors},
+                   {"samples", error.samples},
+                   {"seed", error.seed}};
+}
+
+Json occluderOf(const MeshBake& mesh) {
+  const Occluder& occluder = mesh.occluder;
+  const Box box = bounds(*mesh.asset);
+  Json json = {{"representation", name(representationOf(*mesh.asset))},
+               {"uri", occluder.uri},
+               {"bytes", occluder.bytes},
+               {"contentHash", occluder.contentHash},
+               {"bounds", {{"min", toJson(box.min)}, {"max", toJson(box.max)}}},
+               {"lipschitz", occluder.lipschitz}};
+  if (const auto* volume = std::get_if<Volume>(&*mesh.asset)) addVolume(json, *volume, mesh);
+  if (mesh.measured.samples > 0) json["measured"] = toJson(mesh.measured);
+  return json;
+}
+
+Json toJson(const Score& score) {
+  Json json = {{"representation", name(score.candidate.representation)}, {"candidate", name(score.candidate)}, {"bytes", score.bytes}};
+  if (score.error.samples > 0) json["measured"] = toJson(score.error);
+  json["compositeCost"] = compositeCost(score.candidate.representation);
+  if (score.time) json["nanoseconds"] = {{"median", score.time->median}, {"least", score.time->least}, {"most", score.time->most}};
+  json["reason"] = score.reason;
+  return json;
+}
+
+Json toJson(const ChoiceRecord& record) {
+  Json json = {{"diagonal", record.diagonal}, {"withinLimits", record.withinLimits}, {"chosen", record.chosen}, {"scores", Json::array()}};
+  for (const Score& score : record.scores) json["scores"].push_back(toJson(score));
+  return json;
 }
 
 Json toJson(const SceneBake& bake, const MeshBake& mesh) {
   const MeshBake& owner = mesh.sameAs < 0 ? mesh : bake.meshes[static_cast<std::size_t>(mesh.sameAs)];
   Json json = {
       {"source", mesh.source}, {"faces", mesh.faces}, {"shared", mesh.sameAs >= 0}, {"seconds", mesh.seconds}, {"settingsHash", mesh.hash}};
-  if (!owner.volume) return json;
-  json["found"] = toJson(owner.volume->found);
-  json["occluder"] = toJson(*owner.volume, owner.occluder);
+  if (!owner.asset) return json;
+  json["found"] = toJson(owner.found);
+  json["occluder"] = occluderOf(owner);
+  if (owner.choice) json["choice"] = toJson(*owner.choice);
   return json;
 }
 
@@ -70,12 +101,23 @@ std::string grouped(std::uint64_t number) {
 }
 
 std::string summaryLine(const MeshBake& mesh) {
-  const Volume& volume = mesh.volume->volume;
-  const MeasuredError& error = mesh.volume->error;
-  const std::string measured = error.samples == 0 ? "error not measured" : fmt::format("rms {:.3f} voxel", error.rms / volume.voxelSize);
-  return fmt::format("{}: {}, {}x{}x{}, {:.2f} s, {}, {}, {}", mesh.source, count(mesh.faces, "face", "faces"), volume.size.x,
-                     volume.size.y, volume.size.z, mesh.seconds, measured, mesh.volume->found.closed ? "closed" : "open",
-                     volume.signMethod);
+  const std::string faces = count(mesh.faces, "face", "faces");
+  const char* closed = mesh.found.closed ? "closed" : "open";
+  if (mesh.choice) {
+    const Score& winner = mesh.choice->scores[mesh.choice->chosen];
+    return fmt::format("{}: {}, {}, {} bytes, {:.2f} s, surface rms {:.3g} % of the diagonal{}, {}", mesh.source, faces,
+                       name(winner.candidate), grouped(winner.bytes), mesh.seconds, 100.0 * winner.error.surfaceRms / mesh.choice->diagonal,
+                       mesh.choice->withinLimits ? "" : " (more than allowed: nothing does better)", closed);
+  }
+  const Volume& volume = std::get<Volume>(*mesh.asset);
+  const std::string measured =
+      mesh.inBox->samples == 0 ? "error not measured" : fmt::format("rms {:.3f} voxel", mesh.inBox->rms / volume.voxelSize);
+  return fmt::format("{}: {}, {}x{}x{}, {:.2f} s, {}, {}, {}", mesh.source, faces, volume.size.x, volume.size.y, volume.size.z,
+                     mesh.seconds, measured, closed, volume.signMethod);
+}
+
+std::string choiceJson(const ChoiceRecord& record) {
+  return toJson(record).dump();
 }
 
 std::vector<std::string> remarks(const MeshDiagnosis& found, double ambiguousSign) {

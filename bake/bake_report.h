@@ -9,8 +9,12 @@
 
 namespace overcast {
 
-/// "bunny.off: 69,630 faces, 32x31x25, 0.12 s, rms 0.03 voxel, closed, signed-crossings"
+/// "bunny.off: 69,630 faces, 32x31x25, 0.12 s, rms 0.03 voxel, closed, signed-crossings", or of a chosen asset
+/// "bunny.off: 69,630 faces, volume 24 half, 31,415 bytes, 0.41 s, surface rms 0.62 % of the diagonal, closed"
 std::string summaryLine(const MeshBake& mesh);
+
+/// The record as JSON text: diagonal, withinLimits, chosen (an index), scores.
+std::string choiceJson(const ChoiceRecord& record);
 
 /// What the user should know about a mesh, one line each without its name; empty for a clean one.
 std::vector<std::string> remarks(const MeshDiagnosis& found, double ambiguousSign);

@@ -19,7 +19,7 @@ enum ExitCode : int {
   kUsage = 2,        ///< wrong arguments
   kBadInput = 3,     ///< an input that cannot be read or baked; nothing was written
   kCannotWrite = 4,  ///< the output, or what belongs on stdout, cannot be written
-  kNotValid = 5,     ///< `validate` found something
+  kNotValid = 5,     ///< `validate` or `verify` found something
   kPartial = 6,      ///< --keep-going: some inputs failed, the others were baked
   kInterrupted = 130
 };

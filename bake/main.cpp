@@ -4,8 +4,10 @@
 
 #include "bake/bake_command.h"
 #include "bake/command.h"
+#include "bake/explain_command.h"
 #include "bake/inspect_command.h"
 #include "bake/validate_command.h"
+#include "bake/verify_command.h"
 #include "formats/console.h"
 
 namespace {
@@ -14,8 +16,10 @@ using namespace overcast;
 
 constexpr Command kCommands[] = {
     {"bake", "bake meshes and scenes into a folder (the command when none is named)", bakeCommand},
+    {"explain", "print what every representation of a mesh costs and how far off it is, and which one is chosen", explainCommand},
     {"inspect", "print what is in a baked scene, a plain scene, a mesh or a volume", inspectCommand},
     {"validate", "check a baked scene or a volume: files, hashes, bounds, values", validateCommand},
+    {"verify", "measure a baked scene again from its sources and compare with what it states", verifyCommand},
 };
 
 void printHelp() {

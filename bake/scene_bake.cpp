@@ -11,6 +11,7 @@
 #include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
 
+#include "formats/asset.h"
 #include "formats/files.h"
 
 namespace overcast {
@@ -26,11 +27,18 @@ std::string bytesHash(const std::vector<T>& values) {
   return contentHash(std::as_bytes(std::span(values)));
 }
 
-std::string bakeHash(const Mesh& mesh, const VolumeSettings& settings) {
-  const std::string text =
+std::string bakeHash(const Mesh& mesh, const BakeSettings& bakeSettings) {
+  const VolumeSettings& settings = bakeSettings.volume;
+  std::string text =
       fmt::format("volume {} {} {} {} {:x} {:x} {} {} {}", kBakerVersion, bytesHash(mesh.positions), bytesHash(mesh.triangles),
                   settings.resolution, std::bit_cast<std::uint64_t>(settings.voxelSize), std::bit_cast<std::uint64_t>(settings.padding),
                   static_cast<int>(settings.bits), settings.errorSamples, settings.seed);
+  if (bakeSettings.choice) {
+    const ChoiceSettings& choice = *bakeSettings.choice;
+    text += fmt::format(" choice {} {:x} {} {} {:x} {} {}", choice.only ? name(*choice.only) : "any",
+                        std::bit_cast<std::uint64_t>(choice.maxError.value_or(-1.0)), choice.maxBytes.value_or(0), choice.largest,
+                        std::bit_cast<std::uint64_t>(choice.padding), choice.measure.samples, choice.measure.seed);
+  }
   return contentHash(std::as_bytes(std::span(text)));
 }
 
@@ -91,31 +99,62 @@ void appendScene(Scene& scene, Scene other) {
   if (!scene.lighting) scene.lighting = other.lighting;
 }
 
-/// The volume a mesh uses: its own, or the one it shares.
+/// Where the asset of a mesh is: its own bake, or the one it shares.
 const MeshBake& owner(const SceneBake& bake, const MeshBake& mesh) {
   return mesh.sameAs < 0 ? mesh : bake.meshes[static_cast<std::size_t>(mesh.sameAs)];
 }
 
-Result<Occluder> writeVolumeOf(const MeshBake& mesh, const std::string& name, const fs::path& folder, const VolumeSettings& settings) {
-  const Volume& volume = mesh.volume->volume;
+/// Where the files of a representation go.
+const char* folderOf(Representation representation) {
+  switch (representation) {
+    case Representation::radius:
+      return "radii";
+    case Representation::heightfield:
+      return "heightfields";
+    default:
+      return "volumes";
+  }
+}
+
+Result<Occluder> writeAssetOf(const MeshBake& mesh, const std::string& name, const fs::path& folder, const BakeSettings& settings) {
+  const Asset& asset = *mesh.asset;
+  const VolumeBits bits = mesh.choice ? mesh.choice->scores[mesh.choice->chosen].candidate.bits : settings.volume.bits;
   Occluder occluder;
-  occluder.uri = fmt::format("volumes/{}-{}.vdb", fileNameOf(name), mesh.hash.substr(0, 8));
-  const fs::path path = folder / occluder.uri;
-  const auto bytes = writeVolume(path, volume, settings.bits);
+  const std::string stem = fmt::format("{}/{}-{}", folderOf(representationOf(asset)), fileNameOf(name), mesh.hash.substr(0, 8));
+  const auto bytes = writeAsset(folder, stem, asset, occluder, bits);
   if (!bytes) return bytes.error();
-  const auto content = readFile(path);
-  if (!content) return content.error();
-  occluder.bytes = bytes.value();
-  occluder.contentHash = contentHash(content.value());
-  occluder.bounds = bounds(volume);
   // Contact shadows fade with the size of what casts them: beyond one diagonal an object no longer darkens visibly.
   occluder.influenceRadius = diagonal(occluder.bounds);
-  occluder.lipschitz = lipschitzBound(volume);
-  occluder.signMethod = volume.signMethod;
-  occluder.error = mesh.volume->error;
+  occluder.error = mesh.measured;
   occluder.source = mesh.source;
   occluder.settingsHash = mesh.hash;
   return occluder;
+}
+
+/// Bakes one mesh and measures what came out. An Error without a file.
+Result<Done> bakeMesh(MeshBake& job, const Mesh& mesh, const BakeSettings& settings, const Progress& progress) {
+  if (settings.choice) {
+    auto chosen = choose(mesh, *settings.choice, progress);
+    if (!chosen) return chosen.error();
+    Choice& choice = chosen.value();
+    job.measured = choice.record.scores[choice.record.chosen].error;
+    job.found = choice.found;
+    job.ambiguousSign = choice.ambiguousSign;
+    job.choice = std::move(choice.record);
+    job.asset = std::move(choice.asset);
+    return Done{};
+  }
+  auto made = bakeVolume(mesh, settings.volume, progress);
+  if (!made) return made.error();
+  BakedVolume& baked = made.value();
+  if (settings.volume.errorSamples > 0)
+    job.measured = measure([&](const glm::dvec3& point) { return sampleVolume(baked.volume, point); },
+                           drawProbes(mesh, {settings.volume.errorSamples, settings.volume.seed}));
+  job.found = baked.found;
+  job.ambiguousSign = baked.ambiguousSign;
+  job.inBox = baked.error;
+  job.asset = std::move(baked.volume);
+  return Done{};
 }
 
 }  // namespace
@@ -143,7 +182,7 @@ Result<BakeInput> readBakeInput(const fs::path& path) {
   return input;
 }
 
-SceneBake joinInputs(std::vector<BakeInput> inputs, const VolumeSettings& settings) {
+SceneBake joinInputs(std::vector<BakeInput> inputs, const BakeSettings& settings) {
   SceneBake bake;
   std::map<std::string, int> known;
   for (BakeInput& input : inputs) {
@@ -173,7 +212,7 @@ SceneBake joinInputs(std::vector<BakeInput> inputs, const VolumeSettings& settin
   return bake;
 }
 
-void bakeMeshes(SceneBake& bake, const VolumeSettings& settings, const Progress& progress, const MeshDone& done) {
+void bakeMeshes(SceneBake& bake, const BakeSettings& settings, const Progress& progress, const MeshDone& done) {
   std::vector<std::size_t> jobs;
   for (std::size_t i = 0; i < bake.meshes.size(); ++i)
     if (bake.meshes[i].sameAs < 0) jobs.push_back(i);
@@ -188,13 +227,12 @@ void bakeMeshes(SceneBake& bake, const VolumeSettings& settings, const Progress&
     MeshBake& mesh = bake.meshes[jobs[job]];
     const auto start = std::chrono::steady_clock::now();
     // Isolated: a mesh that waits for its own tiles must not start on another mesh, or its seconds would count that one's too.
-    auto baked = tbb::this_task_arena::isolate([&] {
-      return bakeVolume(bake.scene.meshes[static_cast<std::size_t>(mesh.mesh)], settings, [&](double share) { return report(job, share); });
+    const Result<Done> baked = tbb::this_task_arena::isolate([&] {
+      return bakeMesh(mesh, bake.scene.meshes[static_cast<std::size_t>(mesh.mesh)], settings,
+                      [&](double share) { return report(job, share); });
     });
     mesh.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-    if (baked.ok()) {
-      mesh.volume = std::move(baked).value();
-    } else {
+    if (!baked) {
       const fs::path& file = bake.inputs[static_cast<std::size_t>(mesh.input)];
       const bool named = mesh.source != file.filename().string();
       mesh.error = Error{file.string(), named ? bake.scene.meshes[static_cast<std::size_t>(mesh.mesh)].name : "", baked.error().reason};
@@ -218,7 +256,7 @@ std::string outputName(const std::vector<fs::path>& inputs) {
   return inputs.size() == 1 && isSceneFile(inputs[0]) ? inputs[0].stem().string() : "scene";
 }
 
-Result<std::vector<fs::path>> writeBake(SceneBake& bake, const fs::path& folder, const std::string& name, const VolumeSettings& settings) {
+Result<std::vector<fs::path>> writeBake(SceneBake& bake, const fs::path& folder, const std::string& name, const BakeSettings& settings) {
   std::error_code code;
   if (fs::exists(folder, code) && !fs::is_directory(folder, code)) return Error{folder.string(), "", "is not a folder"};
   std::vector<fs::path> files;
@@ -227,13 +265,13 @@ Result<std::vector<fs::path>> writeBake(SceneBake& bake, const fs::path& folder,
         std::any_of(bake.scene.nodes.begin(), bake.scene.nodes.end(), [&](const Node& node) { return node.mesh == mesh.mesh; });
     if (!wanted) continue;
     const MeshBake& baked = owner(bake, mesh);
-    if (!baked.occluder.uri.empty()) {
+    if (!baked.occluder.settingsHash.empty()) {
       mesh.occluder = baked.occluder;
     } else {
-      auto occluder = writeVolumeOf(baked, bake.scene.meshes[static_cast<std::size_t>(baked.mesh)].name, folder, settings);
+      auto occluder = writeAssetOf(baked, bake.scene.meshes[static_cast<std::size_t>(baked.mesh)].name, folder, settings);
       if (!occluder) return occluder.error();
       mesh.occluder = bake.meshes[static_cast<std::size_t>(&baked - bake.meshes.data())].occluder = occluder.value();
-      files.push_back(folder / mesh.occluder.uri);
+      if (!mesh.occluder.uri.empty()) files.push_back(folder / mesh.occluder.uri);
     }
     for (Node& node : bake.scene.nodes)
       if (node.mesh == mesh.mesh) node.occluder = mesh.occluder;

@@ -176,7 +176,7 @@ SignField signField(const Mesh& mesh, const Grid& grid, const Progress& progress
   const Bins bins = binTriangles(lattice, triangles, slabs);
 
   SignField result;
-  result.method = boundary.empty() ? "signed-crossings" : "winding-number";
+  result.method = boundary.empty() ? kSignedCrossings : kWindingNumber;
   result.inside.assign(sampleCount(grid), 0);
   Job job{grid, lattice, triangles, bins, fill, result, std::vector<std::uint64_t>(static_cast<std::size_t>(slabs), 0)};
   std::atomic<int> done = 0;

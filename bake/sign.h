@@ -12,10 +12,13 @@
 
 namespace overcast {
 
+inline constexpr const char* kSignedCrossings = "signed-crossings";  ///< SignField::method of closed meshes
+inline constexpr const char* kWindingNumber = "winding-number";      ///< and of meshes with boundary
+
 /// Inside or outside for every grid point, and how it was decided.
 struct SignField {
   std::vector<std::uint8_t> inside;  ///< 1 inside, 0 outside; x fastest
-  std::string method;                ///< "signed-crossings" for closed meshes, "winding-number" for meshes with boundary
+  std::string method;                ///< kSignedCrossings or kWindingNumber
   double ambiguous = 0.0;  ///< share of grid points with 0.2 < |w| < 0.8, where the winding number decides nothing; 0 for closed meshes
 };
 

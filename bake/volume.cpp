@@ -7,6 +7,8 @@
 
 #include <glm/common.hpp>
 
+#include "bake/prepare.h"
+#include "bake/random.h"
 #include "bake/sign.h"
 
 namespace overcast {
@@ -14,14 +16,6 @@ namespace {
 
 Error failure(std::string reason) {
   return Error{"", "", std::move(reason)};
-}
-
-/// SplitMix64 (Steele, Lea, Flood 2014) of a counter: the same number whichever thread asks.
-double uniform(std::uint64_t seed, std::uint64_t counter) {
-  std::uint64_t z = seed * 0xd1342543de82ef95u + (counter + 1) * 0x9e3779b97f4a7c15u;
-  z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;
-  z = (z ^ (z >> 27)) * 0x94d049bb133111ebu;
-  return static_cast<double>((z ^ (z >> 31)) >> 11) * 0x1p-53;
 }
 
 /// Samples nearest to the points that lie further than a tenth of a voxel from the surface on the wrong side. Samples and not the points
@@ -42,6 +36,7 @@ std::uint64_t countSignErrors(const Volume& volume, const Mesh& mesh, const Grid
 }
 
 MeasuredError measure(const Volume& volume, const Mesh& mesh, const Grid& grid, const VolumeSettings& settings) {
+  if (settings.errorSamples == 0) return {};
   const Box box = bounds(volume);
   std::vector<glm::dvec3> points;
   points.reserve(settings.errorSamples);
@@ -61,7 +56,7 @@ MeasuredError measure(const Volume& volume, const Mesh& mesh, const Grid& grid, 
     error.max = std::max(error.max, std::abs(difference));
     squares += difference * difference;
   }
-  if (!points.empty()) error.rms = std::sqrt(squares / static_cast<double>(points.size()));
+  error.rms = std::sqrt(squares / static_cast<double>(points.size()));
   error.signErrors = countSignErrors(volume, mesh, grid, points);
   return error;
 }
@@ -115,14 +110,8 @@ Result<Grid> volumeGrid(const Box& box, const VolumeSettings& settings) {
 Result<BakedVolume> bakeVolume(const Mesh& mesh, const VolumeSettings& settings, const Progress& progress) {
   const Box box = bounds(mesh);
   if (const Result<Grid> checked = volumeGrid(box, settings); !checked) return checked.error();
-  const glm::dvec3 middle = centre(box);
-  Mesh centred;
-  centred.name = mesh.name;
-  centred.triangles = mesh.triangles;
-  centred.positions.reserve(mesh.positions.size());
-  // Vertices that no triangle uses may lie anywhere: they must not reach the lattice of the sign.
-  for (const glm::dvec3& p : mesh.positions) centred.positions.push_back(glm::clamp(p, box.min, box.max) - middle);
-  RepairedMesh repaired = repair(centred);
+  const PreparedMesh prepared = prepare(mesh);
+  const RepairedMesh& repaired = prepared.repaired;
   const Grid grid = volumeGrid(bounds(repaired.mesh), settings).value();
 
   BakedVolume baked;
@@ -142,7 +131,7 @@ Result<BakedVolume> bakeVolume(const Mesh& mesh, const VolumeSettings& settings,
   volume = asStored(std::move(volume), settings.bits);
   if (!isWhole(volume)) return failure("distances do not fit the chosen precision; take single floats");
   baked.error = measure(volume, repaired.mesh, grid, settings);
-  volume.origin += middle;
+  volume.origin += prepared.middle;
   if (progress && !progress(1.0)) return failure("interrupted");
   return baked;
 }

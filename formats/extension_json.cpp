@@ -174,6 +174,19 @@ void readPrimitive(Fields fields, Primitive& primitive) {
   if (!isWhole(primitive)) fields.fail("halfExtents", fmt::format("has a smallest below {:.6g} of its largest", kThinnestPrimitive));
 }
 
+void readMeasuredError(Fields fields, MeasuredError& error) {
+  constexpr std::uint64_t largest = std::numeric_limits<std::uint64_t>::max();
+  fields.number("max", error.max, 0.0, kLargest);
+  fields.number("rms", error.rms, 0.0, kLargest);
+  fields.integer("signErrors", error.signErrors, std::uint64_t{0}, largest);
+  fields.integer("samples", error.samples, std::uint64_t{0}, largest);
+  fields.integer("seed", error.seed, std::uint64_t{0}, largest);
+  if (fields.has("p99")) fields.number("p99", error.p99, 0.0, kLargest);
+  if (fields.has("surfaceRms")) fields.number("surfaceRms", error.surfaceRms, 0.0, kLargest);
+  if (fields.has("skyRmse")) fields.number("skyRmse", error.skyRmse, 0.0, 1.0);
+  if (fields.has("method")) fields.text("method", error.method, false);
+}
+
 void readOccluder(Fields& fields, Occluder& occluder) {
   fields.version(kOccluderVersion);
   std::string text;
@@ -191,12 +204,7 @@ void readOccluder(Fields& fields, Occluder& occluder) {
   fields.number("influenceRadius", occluder.influenceRadius, 0.0, kLargest);
   fields.number("lipschitz", occluder.lipschitz, kTiny, kLargest);
   fields.text("signMethod", occluder.signMethod, true);
-  Fields error = fields.child("error");
-  error.number("max", occluder.error.max, 0.0, kLargest);
-  error.number("rms", occluder.error.rms, 0.0, kLargest);
-  error.integer("signErrors", occluder.error.signErrors, std::uint64_t{0}, largest);
-  error.integer("samples", occluder.error.samples, std::uint64_t{0}, largest);
-  error.integer("seed", occluder.error.seed, std::uint64_t{0}, largest);
+  readMeasuredError(fields.child("error"), occluder.error);
   fields.text("source", occluder.source, true);
   fields.text("settingsHash", occluder.settingsHash, true);
 }
@@ -250,6 +258,15 @@ Json primitiveJson(const Primitive& primitive) {
           {"halfExtents", arrayOf(primitive.halfExtents)}};
 }
 
+Json measuredErrorJson(const MeasuredError& error) {
+  Json json = {{"max", error.max}, {"rms", error.rms}, {"signErrors", error.signErrors}, {"samples", error.samples}, {"seed", error.seed}};
+  if (error.p99 >= 0.0) json["p99"] = error.p99;
+  if (error.surfaceRms >= 0.0) json["surfaceRms"] = error.surfaceRms;
+  if (error.skyRmse >= 0.0) json["skyRmse"] = error.skyRmse;
+  if (!error.method.empty()) json["method"] = error.method;
+  return json;
+}
+
 }  // namespace
 
 double shortest(float value) {
@@ -275,11 +292,7 @@ std::string occluderJson(const Occluder& occluder) {
   json["influenceRadius"] = occluder.influenceRadius;
   json["lipschitz"] = occluder.lipschitz;
   json["signMethod"] = occluder.signMethod;
-  json["error"] = {{"max", occluder.error.max},
-                   {"rms", occluder.error.rms},
-                   {"signErrors", occluder.error.signErrors},
-                   {"samples", occluder.error.samples},
-                   {"seed", occluder.error.seed}};
+  json["error"] = measuredErrorJson(occluder.error);
   json["source"] = occluder.source;
   json["settingsHash"] = occluder.settingsHash;
   return dump(json);

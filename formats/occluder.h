@@ -14,13 +14,18 @@ namespace overcast {
 /// Which of the papers' occluder representations an asset holds (DESIGN 5.1). Stored by name.
 enum class Representation { volume, primitive, radius, heightfield };
 
-/// Measured error of a baked representation against the exact distance to its source mesh, at seeded random points of its box.
+/// Measured error of a baked representation against the exact distance to its source mesh, at seeded random points. `method` names the
+/// points: "influence-1" is that of bake/measure.h; empty, the first method, took points of the box alone and has the first five figures.
 struct MeasuredError {
   double max = 0.0;              ///< largest |phi - exact|, local units
   double rms = 0.0;              ///< root mean square of phi - exact, local units
-  std::uint64_t signErrors = 0;  ///< samples nearest to the points, over a tenth of a voxel from the surface, of wrong sign
-  std::uint64_t samples = 0;     ///< number of points
+  std::uint64_t signErrors = 0;  ///< points of wrong sign that are clearly off the surface, as the method has it
+  std::uint64_t samples = 0;     ///< number of points; 0: nothing was measured
   std::uint64_t seed = 0;        ///< seed of their positions
+  double p99 = -1.0;             ///< |phi - exact| that 99 of 100 points stay within, local units; negative: not measured, as below
+  double surfaceRms = -1.0;      ///< root mean square near the surface, local units: what a representation is chosen by
+  double skyRmse = -1.0;         ///< root mean square error of the sky visibility on receivers around the object, 0 to 1
+  std::string method;
 };
 
 inline constexpr int kOccluderVersion = 1;

@@ -31,6 +31,11 @@ void fields(Archive& archive, Primitive& primitive) {
 }
 
 template <class Archive>
+void fields(Archive& archive, MeasuredError& error) {
+  archive(error.max, error.rms, error.signErrors, error.samples, error.seed, error.p99, error.surfaceRms, error.skyRmse, error.method);
+}
+
+template <class Archive>
 void fields(Archive& archive, Occluder& occluder) {
   archive(occluder.representation, occluder.uri, occluder.contentHash, occluder.bytes, occluder.primitive, occluder.bounds,
           occluder.influenceRadius, occluder.lipschitz, occluder.signMethod, occluder.error, occluder.source, occluder.settingsHash);

@@ -132,7 +132,7 @@ TEST_F(BakeCommand, WrongArgumentsAreExitCodeTwo) {
   for (const char* arguments :
        {"", "ball.off", "-o out", "ball.off -o out --resolution 7", "ball.off -o out --resolution many", "ball.off -o out --bits 8",
         "ball.off -o out --voxel-size 0", "ball.off -o out --voxel-size 1 --resolution 9", "ball.off -o out --wrong",
-        "ball.off -o out --name ../up", "inspect", "validate"}) {
+        "ball.off -o out --name ../up", "inspect", "validate", "explain", "verify out/scene.gltf"}) {
     EXPECT_EQ(bake(arguments).exitCode, 2) << arguments;
     EXPECT_FALSE(fs::exists(folder / "out")) << arguments;
   }
@@ -213,6 +213,86 @@ TEST_F(BakeCommand, ValidateFindsWhatIsWrong) {
   }
   EXPECT_EQ(bake("validate ball.off").exitCode, 3);
   EXPECT_EQ(bake("validate missing.gltf").exitCode, 3);
+}
+
+TEST_F(BakeCommand, TheErrorAllowedDecidesTheSize) {
+  ASSERT_EQ(bake("ring.off -o rough --max-error 0.02 --representation volume --error-samples 1000").exitCode, 0);
+  const ShellResult fine = bake("ring.off -o fine --max-error 0.005 --representation volume --error-samples 1000 --json 2>messages");
+  ASSERT_EQ(fine.exitCode, 0);
+  EXPECT_THAT(contents(folder / "messages"), HasSubstr("ring.off: 1,024 faces, volume "));
+  const nlohmann::json mesh = nlohmann::json::parse(fine.output)["inputs"][0]["meshes"][0];
+  const nlohmann::json& choice = mesh["choice"];
+  EXPECT_TRUE(choice["withinLimits"]);
+  EXPECT_GT(choice["scores"].size(), 2u);
+  EXPECT_EQ(choice["scores"][choice["chosen"].get<std::size_t>()]["reason"], "chosen");
+  EXPECT_EQ(mesh["occluder"]["measured"]["samples"], 1000);
+  const auto stated = [&](const char* name) { return readScene(folder / name / "scene.gltf").value().nodes[0].occluder.value(); };
+  EXPECT_LT(stated("rough").bytes, stated("fine").bytes);
+  EXPECT_LE(stated("fine").error.surfaceRms, 0.005 * choice["diagonal"].get<double>());
+  for (const char* name : {"rough", "fine"}) {
+    EXPECT_EQ(bake(fmt::format("validate {}/scene.gltf", name)).exitCode, 0);
+    EXPECT_EQ(bake(fmt::format("verify {}/scene.gltf --source ring.off", name)).exitCode, 0);
+  }
+  ASSERT_EQ(bake("ring.off -o few --max-bytes 12000 --representation volume --error-samples 1000").exitCode, 0);
+  EXPECT_LE(stated("few").bytes, 12000u);
+  EXPECT_EQ(bake("ring.off -o none --max-bytes 9").exitCode, 3);
+  EXPECT_EQ(bake("ring.off -o none --max-error 0.01 --resolution 32").exitCode, 2);
+  EXPECT_EQ(bake("ring.off -o none --max-error 0.01 --error-samples 0").exitCode, 2);
+  EXPECT_FALSE(fs::exists(folder / "none"));
+}
+
+TEST_F(BakeCommand, ExplainShowsWinnerAndLosers) {
+  const ShellResult table = bake("explain ring.off --largest 16 --error-samples 1000 --svg fronts.svg");
+  ASSERT_EQ(table.exitCode, 0) << table.output;
+  for (const char* words :
+       {"ring.off: diagonal", "volume 8 half", "volume 16 single", "times the error", "chosen", "composite cost of volume"})
+    EXPECT_THAT(table.output, HasSubstr(words));
+  const std::string svg = contents(folder / "fronts.svg");
+  EXPECT_THAT(svg, testing::StartsWith("<svg "));
+  EXPECT_THAT(svg, testing::EndsWith("</svg>\n"));
+  EXPECT_THAT(svg, HasSubstr("volume 16 half"));
+  const ShellResult document = bake("explain ring.off --largest 12 --error-samples 500 --json");
+  ASSERT_EQ(document.exitCode, 0);
+  const nlohmann::json choice = nlohmann::json::parse(document.output)["meshes"][0]["choice"];
+  EXPECT_GE(choice["scores"].size(), 4u);
+  for (const auto& score : choice["scores"]) EXPECT_FALSE(score["reason"].get<std::string>().empty());
+  EXPECT_EQ(bake("explain missing.off").exitCode, 3);
+  EXPECT_EQ(bake("explain ring.off --largest 8 --error-samples 100 --svg text.txt/x.svg").exitCode, 4);
+}
+
+TEST_F(BakeCommand, VerifyFindsLies) {
+  ASSERT_EQ(bake("ball.off bowl.off -o out --resolution 16 --error-samples 1000").exitCode, 0);
+  const std::string scene = "verify out/scene.gltf --source ball.off bowl.off";
+  EXPECT_EQ(bake(scene).exitCode, 0) << bake(scene).output;
+  EXPECT_EQ(bake("verify out/scene.gltf --source ball.off").exitCode, 5);  // bowl.off is missing
+  EXPECT_EQ(bake("verify out/scene.gltf --source missing.off").exitCode, 3);
+  EXPECT_EQ(bake("verify out/scene.gltf").exitCode, 2);
+
+  const auto tampered = [&](auto change) {
+    Scene read = readScene(folder / "out/scene.gltf").value();
+    change(*read.nodes[0].occluder);
+    EXPECT_TRUE(writeScene(folder / "out/lie.gltf", read).ok());
+    return bake("verify out/lie.gltf --source ball.off bowl.off");
+  };
+  EXPECT_EQ(tampered([](Occluder&) {}).exitCode, 0);
+  for (double MeasuredError::*figure :
+       {&MeasuredError::max, &MeasuredError::rms, &MeasuredError::p99, &MeasuredError::surfaceRms, &MeasuredError::skyRmse})
+    EXPECT_EQ(tampered([&](Occluder& occluder) { occluder.error.*figure *= 0.9; }).exitCode, 5);
+  EXPECT_THAT(tampered([](Occluder& occluder) { occluder.error.max *= 0.5; }).output, HasSubstr("states max "));
+  EXPECT_THAT(tampered([](Occluder& occluder) { occluder.error.seed += 1; }).output, HasSubstr("measured"));
+  EXPECT_THAT(tampered([](Occluder& occluder) { occluder.error.samples = 0; }).output, HasSubstr("states no measured error"));
+  EXPECT_THAT(tampered([](Occluder& occluder) { occluder.error.method.clear(); }).output, HasSubstr("bake it again"));
+  EXPECT_THAT(tampered([](Occluder& occluder) { occluder.signMethod = "winding-number"; }).output, HasSubstr("sign method"));
+  EXPECT_THAT(tampered([](Occluder& occluder) { occluder.lipschitz = 0.5; }).output, HasSubstr("states lipschitz"));
+  EXPECT_THAT(tampered([](Occluder& occluder) { occluder.bounds.max.x += 0.1; }).output, HasSubstr("states bounds"));
+  EXPECT_THAT(tampered([](Occluder& occluder) { occluder.contentHash[0] ^= 1; }).output, HasSubstr("content hash"));
+  // The other mesh's volume under this one's name, with a hash that fits.
+  const Occluder other = readScene(folder / "out/scene.gltf").value().nodes[1].occluder.value();
+  EXPECT_EQ(tampered([&](Occluder& occluder) {
+              occluder.uri = other.uri;
+              occluder.contentHash = other.contentHash;
+            }).exitCode,
+            5);
 }
 
 TEST_F(BakeCommand, AnInterruptLeavesNothing) {

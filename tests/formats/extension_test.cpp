@@ -115,6 +115,8 @@ TEST(Extension, ReadsBackBitForBit) {
     RC_ASSERT(again.influenceRadius == made.influenceRadius && again.lipschitz == made.lipschitz && again.signMethod == made.signMethod);
     RC_ASSERT(again.error.max == made.error.max && again.error.rms == made.error.rms && again.error.seed == made.error.seed);
     RC_ASSERT(again.error.signErrors == made.error.signErrors && again.error.samples == made.error.samples);
+    RC_ASSERT(again.error.p99 == made.error.p99 && again.error.surfaceRms == made.error.surfaceRms);
+    RC_ASSERT(again.error.skyRmse == made.error.skyRmse && again.error.method == made.error.method);
     RC_ASSERT(again.source == made.source && again.settingsHash == made.settingsHash);
   }));
   EXPECT_TRUE(rc::check("lighting", [](std::uint64_t seed) {
@@ -138,6 +140,19 @@ TEST(Extension, ReadsBackBitForBit) {
     RC_ASSERT(again.estimator.k == made.estimator.k && again.estimator.skyWeight == made.estimator.skyWeight);
     RC_ASSERT(again.estimator.fitError == made.estimator.fitError);
   }));
+}
+
+// What version 1 wrote before these figures existed.
+TEST(Extension, AssetsWithoutTheLaterErrorFiguresLoad) {
+  Json json = parsed(occluderJson(test::randomOccluder(0)));
+  for (const char* key : {"p99", "surfaceRms", "skyRmse", "method"}) json["error"].erase(key);
+  const auto read = parseOccluder(json.dump(), "x");
+  ASSERT_TRUE(read.ok());
+  EXPECT_EQ(read.value().error.max, json["error"]["max"]);
+  EXPECT_LT(read.value().error.p99, 0.0);
+  EXPECT_LT(read.value().error.surfaceRms, 0.0);
+  EXPECT_LT(read.value().error.skyRmse, 0.0);
+  EXPECT_EQ(read.value().error.method, "");
 }
 
 TEST(Extension, FloatsAreShort) {

@@ -117,7 +117,17 @@ Occluder occluder(Dice& dice) {
   made.influenceRadius = dice.real(0, 3);
   made.lipschitz = dice.real(0.5, 2);
   made.signMethod = "signed-crossings";
-  made.error = {dice.real(0, 1), dice.real(0, 1e-9), dice.engine(), dice.engine(), dice.engine()};
+  made.error.max = dice.real(0, 1);
+  made.error.rms = dice.real(0, 1e-9);
+  made.error.signErrors = dice.engine();
+  made.error.samples = dice.engine();
+  made.error.seed = dice.engine();
+  if (dice.chance(0.7)) {
+    made.error.p99 = dice.real(0, 1);
+    made.error.surfaceRms = dice.real(0, 1e-9);
+    made.error.skyRmse = dice.real(0, 1);
+    made.error.method = "influence-1";
+  }
   made.source = "bunny.obj";
   made.settingsHash = hash(dice);
   return made;

@@ -1,0 +1,31 @@
+#include "bake/choice_options.h"
+
+#include <CLI/CLI.hpp>
+
+namespace overcast {
+
+void addChoiceOptions(CLI::App& app, ChoiceOptions& options) {
+  app.add_option("--representation", options.representation,
+                 "auto: whatever is cheapest within the error; or only volume, primitive, radius or heightfield")
+      ->check(CLI::IsMember({"auto", "volume", "primitive", "radius", "heightfield"}));
+  app.add_option("--max-error", options.maxError,
+                 fmt::format("error allowed: root mean square near the surface, as a share of the mesh's diagonal [{}]", kDefaultMaxError))
+      ->check(CLI::PositiveNumber);
+  app.add_option("--max-bytes", options.maxBytes, "bytes on disk allowed for each mesh; alone: the most accurate within them")
+      ->check(CLI::PositiveNumber);
+}
+
+bool wantsChoice(const ChoiceOptions& options) {
+  return !options.representation.empty() || options.maxError || options.maxBytes;
+}
+
+ChoiceSettings choiceSettings(const ChoiceOptions& options, const MeasureSettings& measure) {
+  ChoiceSettings settings;
+  settings.only = representationNamed(options.representation);
+  settings.maxError = options.maxError;
+  settings.maxBytes = options.maxBytes;
+  settings.measure = measure;
+  return settings;
+}
+
+}  // namespace overcast

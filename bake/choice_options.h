@@ -1,0 +1,31 @@
+// Choice options: --representation, --max-error and --max-bytes, which several commands take.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+
+#include "bake/choose.h"
+
+namespace CLI {
+class App;
+}
+
+namespace overcast {
+
+/// As given on the command line.
+struct ChoiceOptions {
+  std::string representation;  ///< empty: not given
+  std::optional<double> maxError;
+  std::optional<std::uint64_t> maxBytes;
+};
+
+/// Adds the options to `app`.
+void addChoiceOptions(CLI::App& app, ChoiceOptions& options);
+
+/// Whether any of them was given.
+bool wantsChoice(const ChoiceOptions& options);
+
+ChoiceSettings choiceSettings(const ChoiceOptions& options, const MeasureSettings& measure);
+
+}  // namespace overcast

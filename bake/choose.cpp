@@ -1,0 +1,287 @@
+#include "bake/choose.h"
+
+#include <stdlib.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <filesystem>
+#include <limits>
+
+#include "bake/heightfield.h"
+#include "bake/primitive.h"
+#include "bake/radius.h"
+#include "bake/volume.h"
+
+namespace overcast {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr double kCoarseShare = 0.125;
+constexpr double kCoarseLimit = 2.0;  // times the error allowed
+constexpr int kTimings = 5;
+constexpr std::size_t kTimedPoints = 2048;
+
+Error failure(std::string reason) {
+  return Error{"", "", std::move(reason)};
+}
+
+Result<Asset> volumeOf(const Mesh& mesh, int size, const ChoiceSettings& settings, const Progress& progress) {
+  VolumeSettings volume;
+  volume.resolution = size;
+  volume.padding = settings.padding;
+  volume.bits = VolumeBits::single;
+  volume.errorSamples = 0;
+  auto baked = bakeVolume(mesh, volume, progress);
+  if (!baked) return baked.error();
+  return Asset(std::move(baked).value().volume);
+}
+
+Result<Asset> radiusOf(const Mesh& mesh, int size, const ChoiceSettings&, const Progress& progress) {
+  auto baked = bakeRadius(mesh, {size}, progress);
+  if (!baked) return baked.error();
+  return Asset(std::move(baked).value());
+}
+
+Result<Asset> heightFieldOf(const Mesh& mesh, int size, const ChoiceSettings&, const Progress&) {
+  auto baked = bakeHeightField(mesh, size);
+  if (!baked) return baked.error();
+  return Asset(std::move(baked).value());
+}
+
+template <PrimitiveShape shape>
+Result<Asset> primitiveOf(const Mesh& mesh, int, const ChoiceSettings&, const Progress& progress) {
+  auto baked = bakePrimitive(mesh, shape, progress);
+  if (!baked) return baked.error();
+  return Asset(baked.value());
+}
+
+/// One representation: its sizes from small to large, what may be stored of each, and who makes it.
+struct Ladder {
+  Representation representation;
+  std::optional<PrimitiveShape> shape;
+  double cost;  ///< compositeCost
+  std::vector<int> sizes;
+  std::vector<VolumeBits> bits;
+  Result<Asset> (*bake)(const Mesh&, int size, const ChoiceSettings&, const Progress&);
+};
+
+/// The table of candidates: a representation joins by a row.
+const std::vector<Ladder>& ladders() {
+  static const std::vector<Ladder> table = {
+      {Representation::primitive, PrimitiveShape::cuboid, 1.8, {0}, {VolumeBits::automatic}, primitiveOf<PrimitiveShape::cuboid>},
+      {Representation::primitive, PrimitiveShape::ellipsoid, 1.8, {0}, {VolumeBits::automatic}, primitiveOf<PrimitiveShape::ellipsoid>},
+      {Representation::radius, {}, 1.1, {8, 16, 32, 64, 128}, {VolumeBits::automatic}, radiusOf},
+      {Representation::heightfield, {}, 3.1, {8, 16, 32, 64, 128, 256}, {VolumeBits::automatic}, heightFieldOf},
+      {Representation::volume, {}, 1.0, {8, 12, 16, 24, 32, 48, 64, 96, 128, 192, 256}, {VolumeBits::half, VolumeBits::single}, volumeOf},
+  };
+  return table;
+}
+
+/// A folder of its own below the system's temporary one, gone with its contents at the end.
+class TemporaryFolder {
+ public:
+  TemporaryFolder() {
+    std::error_code code;
+    std::string pattern = (fs::temp_directory_path(code) / "overcast-choose-XXXXXX").string();
+    if (!code && ::mkdtemp(pattern.data()) != nullptr) path_ = pattern;
+  }
+  ~TemporaryFolder() {
+    std::error_code ignored;
+    if (!path_.empty()) fs::remove_all(path_, ignored);
+  }
+  TemporaryFolder(const TemporaryFolder&) = delete;
+  TemporaryFolder& operator=(const TemporaryFolder&) = delete;
+  const fs::path& path() const { return path_; }  ///< empty when it could not be made
+
+ private:
+  fs::path path_;
+};
+
+struct Stored {
+  Asset asset;
+  std::uint64_t bytes = 0;
+};
+
+/// `asset` after its way over the disk.
+Result<Stored> store(const Asset& asset, const fs::path& folder, VolumeBits bits) {
+  Occluder occluder;
+  const auto bytes = writeAsset(folder, "candidate", asset, occluder, bits);
+  if (!bytes) return Error{"", "", bytes.error().reason};
+  auto read = readAsset(folder, occluder);
+  if (!read) return Error{"", "", read.error().reason};
+  return Stored{std::move(read).value(), bytes.value()};
+}
+
+SampleTime timeSamples(const Asset& asset, const Probes& probes) {
+  const std::size_t count = std::min(kTimedPoints, probes.points.size());
+  std::vector<double> nanoseconds;
+  double sum = 0.0;
+  for (int run = 0; run < kTimings; ++run) {
+    const auto start = std::chrono::steady_clock::now();
+    for (std::size_t i = 0; i < count; ++i) sum += sampleAsset(asset, probes.points[i]);
+    const std::chrono::duration<double, std::nano> took = std::chrono::steady_clock::now() - start;
+    nanoseconds.push_back(took.count() / static_cast<double>(count));
+  }
+  OVERCAST_REQUIRE(std::isfinite(sum), "distances add up to {}", sum);  // and so the work cannot be left out
+  std::sort(nanoseconds.begin(), nanoseconds.end());
+  return {nanoseconds[kTimings / 2], nanoseconds.front(), nanoseconds.back()};
+}
+
+/// A candidate that may still win.
+struct Best {
+  std::size_t score = 0;
+  Asset asset;
+};
+
+/// All that one choice goes through.
+class Chooser {
+ public:
+  Chooser(const Mesh& mesh, const ChoiceSettings& settings, const Progress& progress)
+      : mesh_(mesh), settings_(settings), progress_(progress), probes_(drawProbes(mesh, settings.measure)) {
+    if (settings.maxError)
+      limit_ = *settings.maxError * probes_.diagonal;
+    else if (!settings.maxBytes)
+      limit_ = kDefaultMaxError * probes_.diagonal;
+  }
+
+  Result<Choice> run() {
+    if (folder_.path().empty()) return failure("cannot make a temporary folder for candidates");
+    for (const Ladder& ladder : ladders()) {
+      if (settings_.only && *settings_.only != ladder.representation) continue;
+      if (auto climbed = climb(ladder); !climbed) return climbed.error();
+    }
+    return decide();
+  }
+
+ private:
+  bool limited() const { return std::isfinite(limit_); }
+  bool meetsError(const Score& score) const { return score.error.surfaceRms <= limit_; }
+  bool fits(const Score& score) const { return !settings_.maxBytes || score.bytes <= *settings_.maxBytes; }
+
+  /// Tries the sizes of one representation, smallest first.
+  Result<Done> climb(const Ladder& ladder) {
+    for (const int size : ladder.sizes) {
+      if (size > settings_.largest) break;
+      if (progress_ && !progress_(shareDone(ladder, size))) return failure("interrupted");
+      const auto asset = ladder.bake(mesh_, size, settings_, [&](double) { return !progress_ || progress_(shareDone(ladder, size)); });
+      bool goOn = false;
+      for (const VolumeBits bits : ladder.bits) {
+        Score score{{ladder.representation, size, bits, ladder.shape}, 0, {}, {}, {}};
+        if (asset)
+          goOn |= consider(asset.value(), std::move(score));
+        else if (asset.error().reason == "interrupted")
+          return asset.error();
+        else
+          refuse(std::move(score), asset.error().reason);
+      }
+      if (!goOn && !settings_.everything) break;
+    }
+    return Done{};
+  }
+
+  double shareDone(const Ladder& ladder, int size) const {
+    return 0.9 * static_cast<double>(size) / static_cast<double>(std::max(ladder.sizes.back(), 1));
+  }
+
+  void refuse(Score score, const std::string& reason) {
+    score.reason = reason;
+    scores_.push_back(std::move(score));
+  }
+
+  /// Stores and measures one candidate; true when a larger one of its kind may be worth a try.
+  bool consider(const Asset& asset, Score score) {
+    auto stored = store(asset, folder_.path(), score.candidate.bits);
+    if (!stored) {
+      refuse(std::move(score), stored.error().reason);
+      return false;
+    }
+    score.bytes = stored.value().bytes;
+    const Asset& made = stored.value().asset;
+    score.error = measure(made, probes_, settings_.everything || !limited() ? 1.0 : kCoarseShare);
+    if (score.error.samples < settings_.measure.samples && score.error.surfaceRms <= kCoarseLimit * limit_)
+      score.error = measure(made, probes_);
+    if (settings_.everything) score.time = timeSamples(made, probes_);
+    const bool small = fits(score), good = meetsError(score);
+    const bool dearer = within_ && score.bytes > scores_[within_->score].bytes;
+    scores_.push_back(score);
+    const std::size_t index = scores_.size() - 1;
+    if (small && good && limited() && (!within_ || precedes(index, within_->score))) within_ = Best{index, made};
+    if (small && (!closest_ || score.error.surfaceRms < scores_[closest_->score].error.surfaceRms)) closest_ = Best{index, made};
+    return small && (!limited() || (!good && !dearer));
+  }
+
+  /// Whether score a is the cheaper of two that meet the error.
+  bool precedes(std::size_t a, std::size_t b) const {
+    const Score &first = scores_[a], &second = scores_[b];
+    if (first.bytes != second.bytes) return first.bytes < second.bytes;
+    return compositeCost(first.candidate.representation) < compositeCost(second.candidate.representation);
+  }
+
+  std::string verdict(const Score& score, const Score& winner) const {
+    if (!fits(score)) return fmt::format("{} bytes are more than {}", score.bytes, *settings_.maxBytes);
+    if (limited() && !meetsError(score)) return fmt::format("{:.3g} times the error", score.error.surfaceRms / limit_);
+    if (!within_) return "another is more accurate";
+    return score.bytes > winner.bytes ? "meets the error, but another is smaller" : "meets the error, but another is cheaper to composite";
+  }
+
+  Result<Choice> decide() {
+    std::optional<Best>& best = within_ ? within_ : closest_;
+    if (!best) {
+      for (const Score& score : scores_)
+        if (score.bytes > 0) return failure(fmt::format("no candidate is within {} bytes", *settings_.maxBytes));
+      return failure(scores_.empty() ? "there is no candidate" : scores_.front().reason);
+    }
+    Choice choice;
+    choice.asset = std::move(best->asset);
+    choice.found = probes_.found;
+    choice.ambiguousSign = probes_.ambiguousSign;
+    ChoiceRecord& record = choice.record;
+    record.chosen = best->score;
+    record.diagonal = probes_.diagonal;
+    record.withinLimits = !limited() || within_.has_value();
+    Score& winner = scores_[record.chosen];
+    if (winner.error.samples < settings_.measure.samples) winner.error = measure(choice.asset, probes_);
+    for (Score& score : scores_)
+      if (score.reason.empty()) score.reason = verdict(score, winner);
+    winner.reason = record.withinLimits ? "chosen" : "chosen: the most accurate, though over the error";
+    record.scores = std::move(scores_);
+    return choice;
+  }
+
+  const Mesh& mesh_;
+  const ChoiceSettings& settings_;
+  const Progress& progress_;
+  const Probes probes_;
+  const TemporaryFolder folder_;
+  double limit_ = std::numeric_limits<double>::infinity();  ///< of surfaceRms, local units
+  std::vector<Score> scores_;
+  std::optional<Best> within_;   ///< the cheapest within both limits
+  std::optional<Best> closest_;  ///< the most accurate within the bytes
+};
+
+}  // namespace
+
+std::string name(const Candidate& candidate) {
+  std::string text = name(candidate.representation);
+  if (candidate.shape) text += fmt::format(" {}", name(*candidate.shape));
+  if (candidate.size > 0) text += fmt::format(" {}", candidate.size);
+  if (candidate.bits != VolumeBits::automatic) text += candidate.bits == VolumeBits::half ? " half" : " single";
+  return text;
+}
+
+double compositeCost(Representation representation) {
+  for (const Ladder& ladder : ladders())
+    if (ladder.representation == representation) return ladder.cost;
+  return 1.0;
+}
+
+Result<Choice> choose(const Mesh& mesh, const ChoiceSettings& settings, const Progress& progress) {
+  VolumeSettings volume;
+  volume.padding = settings.padding;
+  if (const auto grid = volumeGrid(bounds(mesh), volume); !grid) return grid.error();
+  return Chooser(mesh, settings, progress).run();
+}
+
+}  // namespace overcast

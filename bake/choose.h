@@ -1,0 +1,86 @@
+// Choose: which representation and size of a mesh to keep, by measured error. Every candidate is baked, written, read back as a runtime
+// would, and measured; what lost and why is kept beside what won.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "bake/measure.h"
+#include "bake/progress.h"
+#include "formats/asset.h"
+
+namespace overcast {
+
+inline constexpr double kDefaultMaxError = 0.01;  ///< share of the mesh's diagonal
+inline constexpr int kLargestCandidate = 256;
+
+/// Something that may represent a mesh.
+struct Candidate {
+  Representation representation = Representation::volume;
+  int size = 0;                             ///< samples along the longest side, or texels along a side; 0 for a primitive
+  VolumeBits bits = VolumeBits::automatic;  ///< of a volume: half or single
+  std::optional<PrimitiveShape> shape;      ///< of a primitive
+};
+
+/// "volume 32 half", "primitive cuboid".
+std::string name(const Candidate& candidate);
+
+/// What an evaluation costs the composite relative to that of a volume: the median ratios that `overcast-bake explain` prints beside its
+/// table, rounded. Breaks ties between candidates of the same bytes.
+double compositeCost(Representation representation);
+
+/// Time of one evaluation on one thread, nanoseconds.
+struct SampleTime {
+  double median = 0.0;
+  double least = 0.0;
+  double most = 0.0;
+};
+
+/// What is known of a candidate after choosing.
+struct Score {
+  Candidate candidate;
+  std::uint64_t bytes = 0;  ///< on disk; 0 when there is none
+  MeasuredError error;      ///< of fewer samples where that already ruled it out; samples is 0 when not measured
+  std::optional<SampleTime> time;
+  std::string reason;  ///< why it was not chosen, or that it was
+};
+
+struct ChoiceSettings {
+  std::optional<Representation> only;  ///< no other representation
+  std::optional<double> maxError;      ///< of surfaceRms, share of the mesh's diagonal; default kDefaultMaxError unless maxBytes is given
+  std::optional<std::uint64_t> maxBytes;
+  int largest = kLargestCandidate;  ///< no larger sizes
+  double padding = 2.0;             ///< of volumes, VolumeSettings::padding
+  MeasureSettings measure;
+  bool everything = false;  ///< bake and measure every candidate up to `largest` in full, and time its evaluation: for reports
+};
+
+/// Who won and who lost, in the order of the table of candidates.
+struct ChoiceRecord {
+  std::vector<Score> scores;
+  std::size_t chosen = 0;  ///< index into scores
+  double diagonal = 0.0;   ///< of the mesh's box: what maxError is a share of
+  bool withinLimits = true;
+};
+
+/// The winner as stored, and the record.
+struct Choice {
+  Asset asset;
+  ChoiceRecord record;
+  MeshDiagnosis found;
+  double ambiguousSign = 0.0;  ///< Probes::ambiguousSign
+};
+
+/// Bakes candidates of rising size and keeps the one of fewest bytes (ties: compositeCost, then the order of the table) whose surfaceRms is
+/// within maxError and whose bytes are within maxBytes. When no candidate is within both, or only maxBytes is given: the one of least
+/// surfaceRms within maxBytes, or within nothing where there is no maxBytes; then withinLimits is false if a limit was missed. Sizes of a
+/// representation are not tried beyond the first that meets the error, nor beyond what is already more bytes than a candidate that does;
+/// candidates are measured with an eighth of the samples first, and no further when that is over twice the error. Deterministic.
+/// An Error when no candidate can represent the mesh or fits maxBytes, the temporary folder cannot be written, or `progress` asked to stop
+/// ("interrupted").
+Result<Choice> choose(const Mesh& mesh, const ChoiceSettings& settings, const Progress& progress = {});
+
+}  // namespace overcast

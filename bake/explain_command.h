@@ -1,0 +1,11 @@
+// overcast-bake explain INPUT [--svg FILE]
+#pragma once
+
+#include <string>
+#include <vector>
+
+namespace overcast {
+
+int explainCommand(const std::vector<std::string>& arguments);
+
+}  // namespace overcast

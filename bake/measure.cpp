@@ -1,0 +1,258 @@
+#include "bake/measure.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <span>
+
+#include <tbb/parallel_for.h>
+#include <glm/common.hpp>
+#include <glm/geometric.hpp>
+
+#include "bake/distance.h"
+#include "bake/prepare.h"
+#include "bake/random.h"
+#include "bake/sign.h"
+#include "formats/lighting.h"
+
+namespace overcast {
+namespace {
+
+constexpr double kSigma = 0.02;  // all lengths here are shares of the diagonal
+constexpr double kReach = 5.0 * kSigma;
+constexpr double kClearlyOff = 0.01;
+constexpr double kFirstTap = 1.0 / 64.0;
+constexpr double kReceiverSphere = 0.6;
+constexpr double kGroundMargin = 0.5;
+constexpr std::uint64_t kMostBatches = 16;
+constexpr std::uint64_t kReceiverShare = 16;
+constexpr std::size_t kPointTile = 256;
+
+/// Sequences of random numbers that have nothing to do with each other.
+enum class Sequence : std::uint64_t { influence, surface, ground, sphere };
+
+double draw(const MeasureSettings& settings, Sequence sequence, std::uint64_t counter) {
+  return uniform(settings.seed, counter + (static_cast<std::uint64_t>(sequence) << 56));
+}
+
+Box grown(const Box& box, double margin) {
+  return {box.min - margin, box.max + margin};
+}
+
+glm::dvec3 pointOf(const Box& box, const MeasureSettings& settings, Sequence sequence, std::uint64_t index) {
+  const glm::dvec3 share(draw(settings, sequence, 3 * index), draw(settings, sequence, 3 * index + 1),
+                         draw(settings, sequence, 3 * index + 2));
+  return box.min + share * extent(box);
+}
+
+double weightNear(double exact, double diagonal) {
+  return std::exp(-std::abs(exact) / (kSigma * diagonal));
+}
+
+/// Points near the surface of a mesh about the origin. How many are drawn follows from the first batch: slender meshes fill less of their
+/// box.
+std::vector<glm::dvec3> drawNear(const Mesh& mesh, const Box& box, const MeasureSettings& settings) {
+  const double reach = diagonal(box);
+  const Box region = grown(box, kReach * reach);
+  std::vector<glm::dvec3> kept;
+  double sum = 0.0, squares = 0.0;
+  const auto drawBatches = [&](std::uint64_t from, std::uint64_t to) {
+    std::vector<glm::dvec3> points;
+    for (std::uint64_t i = from * settings.samples; i < to * settings.samples; ++i)
+      points.push_back(pointOf(region, settings, Sequence::surface, i));
+    const std::vector<double> distance = distanceAt(mesh, points);
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      if (distance[i] > kReach * reach) continue;
+      kept.push_back(points[i]);
+      const double weight = weightNear(distance[i], reach);
+      sum += weight;
+      squares += weight * weight;
+    }
+  };
+  drawBatches(0, 1);
+  const double effective = squares > 0.0 ? sum * sum / squares : 0.0;
+  const double wanted = static_cast<double>(settings.samples) / 8.0;
+  const double batches = effective > 0.0 ? std::ceil(wanted / effective) : static_cast<double>(kMostBatches);
+  if (batches > 1.0) drawBatches(1, static_cast<std::uint64_t>(std::min(batches, static_cast<double>(kMostBatches))));
+  return kept;
+}
+
+std::vector<Receiver> drawReceivers(const Box& box, const MeasureSettings& settings) {
+  const double reach = diagonal(box);
+  const Box region = grown(box, kGroundMargin * reach);
+  std::vector<Receiver> receivers;
+  for (std::uint64_t i = 0; i < std::max<std::uint64_t>(settings.samples / kReceiverShare, 1); ++i) {
+    const double x = draw(settings, Sequence::ground, 2 * i), z = draw(settings, Sequence::ground, 2 * i + 1);
+    const glm::dvec3 ground = region.min + glm::dvec3(x, 0.0, z) * extent(region);
+    receivers.push_back({glm::dvec3(ground.x, box.min.y, ground.z), glm::dvec3(0.0, 1.0, 0.0)});
+    const double height = 2.0 * draw(settings, Sequence::sphere, 2 * i) - 1.0;
+    const double turn = 2.0 * std::numbers::pi * draw(settings, Sequence::sphere, 2 * i + 1);
+    const double ring = std::sqrt(1.0 - height * height);
+    const glm::dvec3 direction(ring * std::cos(turn), height, ring * std::sin(turn));
+    receivers.push_back({centre(box) + kReceiverSphere * reach * direction, -direction});
+  }
+  return receivers;
+}
+
+/// Where the taps of a receiver lie, and the visibility that follows from the distances there. World up is local +y.
+struct Sky {
+  Estimator estimator;
+  double first = 0.0;  ///< distance of the first tap
+
+  double reachOf(int tap) const { return std::ldexp(first, tap); }
+
+  glm::dvec3 tap(const Receiver& receiver, int index) const {
+    return receiver.point + reachOf(index) * (receiver.normal + glm::dvec3(0.0, double{estimator.skyWeight}, 0.0));
+  }
+
+  double visibility(const Receiver& receiver, std::span<const double> object) const {
+    double missing = 0.0, reach = 0.0;
+    for (int i = 0; i < estimator.taps; ++i) {
+      const double plane = glm::dot(tap(receiver, i) - receiver.point, receiver.normal);
+      missing += reachOf(i) - std::min(object[static_cast<std::size_t>(i)], plane);
+      reach += reachOf(i);
+    }
+    const double exponent = std::max(double{estimator.k} * (double{estimator.skyWeight} + missing / reach), 0.0);
+    return std::exp(-exponent * exponent / (exponent + 1.0 / 16.0));
+  }
+};
+
+Sky skyAround(double reach) {
+  return {Estimator{}, kFirstTap * reach};
+}
+
+/// The part of the probes that a share of them takes.
+struct Selection {
+  std::size_t influence = 0;  ///< points [0, influence)
+  std::size_t nearBegin = 0;  ///< points [nearBegin, nearEnd)
+  std::size_t nearEnd = 0;
+  std::size_t receivers = 0;
+};
+
+Selection select(const Probes& probes, double share) {
+  const auto part = [&](std::size_t count) {
+    return count == 0 ? 0 : std::clamp<std::size_t>(static_cast<std::size_t>(std::ceil(share * static_cast<double>(count))), 1, count);
+  };
+  const auto samples = static_cast<std::size_t>(probes.settings.samples);
+  return {part(samples), samples, samples + part(probes.nearEnd - samples), part(probes.receivers.size())};
+}
+
+/// The exact distance at every point, in the sign of `sampled` where there is no other.
+std::vector<double> truthFor(const Probes& probes, std::span<const double> sampled) {
+  std::vector<double> truth = probes.exact;
+  for (std::size_t i = 0; i < truth.size(); ++i)
+    if (probes.undecided[i]) truth[i] = std::copysign(truth[i], sampled[i]);
+  return truth;
+}
+
+double skyError(const Probes& probes, std::size_t receivers, std::span<const double> sampled, std::span<const double> exact) {
+  const Sky sky = skyAround(probes.diagonal);
+  const auto taps = static_cast<std::size_t>(sky.estimator.taps);
+  double squares = 0.0;
+  for (std::size_t r = 0; r < receivers; ++r) {
+    const std::size_t first = probes.nearEnd + r * taps;
+    const double difference =
+        sky.visibility(probes.receivers[r], sampled.subspan(first, taps)) - sky.visibility(probes.receivers[r], exact.subspan(first, taps));
+    squares += difference * difference;
+  }
+  return receivers == 0 ? 0.0 : std::sqrt(squares / static_cast<double>(receivers));
+}
+
+/// Values of `distance` at the selected points; the rest stays zero.
+std::vector<double> sampleAt(const DistanceFunction& distance, const Probes& probes, const Selection& selection) {
+  std::vector<double> sampled(probes.points.size(), 0.0);
+  const auto fill = [&](std::size_t from, std::size_t to) {
+    tbb::parallel_for(tbb::blocked_range<std::size_t>(from, to, kPointTile), [&](const tbb::blocked_range<std::size_t>& range) {
+      for (std::size_t i = range.begin(); i < range.end(); ++i) sampled[i] = distance(probes.points[i]);
+    });
+  };
+  const auto taps = static_cast<std::size_t>(skyAround(probes.diagonal).estimator.taps);
+  fill(0, selection.influence);
+  fill(selection.nearBegin, selection.nearEnd);
+  fill(probes.nearEnd, probes.nearEnd + selection.receivers * taps);
+  return sampled;
+}
+
+}  // namespace
+
+Probes drawProbes(const Mesh& mesh, const MeasureSettings& settings) {
+  OVERCAST_REQUIRE(settings.samples > 0, "measuring at {} points", settings.samples);
+  const PreparedMesh prepared = prepare(mesh);
+  const Mesh& centred = prepared.repaired.mesh;
+  const Box box = bounds(centred);
+  Probes probes;
+  probes.settings = settings;
+  probes.found = prepared.repaired.found;
+  probes.diagonal = diagonal(box);
+  const Box influence = grown(box, probes.diagonal);
+  for (std::uint64_t i = 0; i < settings.samples; ++i) probes.points.push_back(pointOf(influence, settings, Sequence::influence, i));
+  const std::vector<glm::dvec3> near = drawNear(centred, box, settings);
+  probes.points.insert(probes.points.end(), near.begin(), near.end());
+  probes.nearEnd = probes.points.size();
+  probes.receivers = drawReceivers(box, settings);
+  const Sky sky = skyAround(probes.diagonal);
+  for (const Receiver& receiver : probes.receivers)
+    for (int i = 0; i < sky.estimator.taps; ++i) probes.points.push_back(sky.tap(receiver, i));
+
+  constexpr int kCells = 64;
+  const glm::dvec3 size = extent(influence);
+  Grid grid;
+  grid.size = glm::ivec3(kCells + 1);
+  grid.voxelSize = std::max({size.x, size.y, size.z}) / kCells;
+  grid.origin = glm::dvec3(-0.5 * kCells * grid.voxelSize);
+  probes.exact = distanceAt(centred, probes.points);
+  const std::vector<double> winding = windingAt(centred, grid, probes.points);
+  for (std::size_t i = 0; i < winding.size(); ++i) {
+    const double w = std::abs(winding[i]);
+    if (w > 0.5) probes.exact[i] = -probes.exact[i];
+    probes.undecided.push_back(w > 0.2 && w < 0.8);
+  }
+  const auto nearPoints = std::span(probes.undecided).subspan(settings.samples, near.size());
+  const auto ambiguous = std::count(nearPoints.begin(), nearPoints.end(), std::uint8_t{1});
+  if (!near.empty()) probes.ambiguousSign = static_cast<double>(ambiguous) / static_cast<double>(near.size());
+  for (glm::dvec3& point : probes.points) point += prepared.middle;
+  for (Receiver& receiver : probes.receivers) receiver.point += prepared.middle;
+  return probes;
+}
+
+MeasuredError measure(const DistanceFunction& distance, const Probes& probes, double share) {
+  const Selection selection = select(probes, share);
+  const std::vector<double> sampled = sampleAt(distance, probes, selection);
+  const std::vector<double> exact = truthFor(probes, sampled);
+  MeasuredError error;
+  error.samples = selection.influence;
+  error.seed = probes.settings.seed;
+  error.method = kMeasureMethod;
+  const auto look = [&](std::size_t i) {
+    const double difference = std::abs(sampled[i] - exact[i]);
+    error.max = std::max(error.max, difference);
+    error.signErrors += std::abs(exact[i]) > kClearlyOff * probes.diagonal && (sampled[i] < 0.0) != (exact[i] < 0.0);
+    return difference;
+  };
+  std::vector<double> differences;
+  double squares = 0.0;
+  for (std::size_t i = 0; i < selection.influence; ++i) {
+    differences.push_back(look(i));
+    squares += differences.back() * differences.back();
+  }
+  error.rms = std::sqrt(squares / static_cast<double>(selection.influence));
+  const std::size_t within = (differences.size() * 99 + 99) / 100 - 1;
+  std::nth_element(differences.begin(), differences.begin() + static_cast<std::ptrdiff_t>(within), differences.end());
+  error.p99 = differences[within];
+
+  double weighted = 0.0, weights = 0.0;
+  for (std::size_t i = selection.nearBegin; i < selection.nearEnd; ++i) {
+    const double difference = look(i), weight = weightNear(exact[i], probes.diagonal);
+    weighted += weight * difference * difference;
+    weights += weight;
+  }
+  error.surfaceRms = weights > 0.0 ? std::sqrt(weighted / weights) : error.rms;
+  error.skyRmse = skyError(probes, selection.receivers, sampled, exact);
+  return error;
+}
+
+MeasuredError measure(const Asset& asset, const Probes& probes, double share) {
+  return measure([&](const glm::dvec3& point) { return sampleAsset(asset, point); }, probes, share);
+}
+
+}  // namespace overcast
