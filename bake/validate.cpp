@@ -9,6 +9,7 @@
 #include "formats/extension_json.h"
 #include "formats/files.h"
 #include "formats/scene.h"
+#include "formats/uri.h"
 #include "formats/volume.h"
 
 namespace overcast {
@@ -58,7 +59,7 @@ std::vector<std::string> checkAsset(Occluder occluder, const fs::path& folder) {
   std::vector<std::string> findings;
   std::string file = "primitive";
   if (!occluder.primitive) {
-    const auto path = resolveInside(folder, occluder.uri);
+    const auto path = resolveInside(folder, uriFromPath(occluder.uri));
     if (!path) return {message(path.error())};
     file = path.value().string();
     findings = checkFile(occluder, path.value());

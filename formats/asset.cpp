@@ -3,6 +3,7 @@
 #include <type_traits>
 
 #include "formats/files.h"
+#include "formats/uri.h"
 
 namespace overcast {
 namespace {
@@ -70,7 +71,7 @@ Result<std::uint64_t> write(const fs::path&, const std::string& stem, const Prim
 
 /// The file, when it holds what the scene says it does.
 Result<fs::path> checkedFile(const fs::path& folder, const Occluder& occluder) {
-  Result<fs::path> path = resolveInside(folder, occluder.uri);
+  Result<fs::path> path = resolveInside(folder, uriFromPath(occluder.uri));
   if (!path) return path;
   const Result<std::vector<std::byte>> bytes = readFile(path.value());
   if (!bytes) return bytes.error();

@@ -95,6 +95,7 @@ Result<Done> uploadMeshes(const Device& device, const fs::path& path, RuntimeSce
 }
 
 Result<Done> fillScene(const Device& device, const fs::path& path, RuntimeScene& scene) {
+  if (isMeshFile(path)) return Error{path.string(), "", "is a mesh, not a baked scene: run overcast-bake on it first"};
   Result<Scene> read = readScene(path);
   if (!read) return read.error();
   scene.scene = std::move(read).value();

@@ -8,6 +8,7 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include "formats/files.h"
 #include "formats/image.h"
 #include "tests/commands/scratch.h"
 #include "tests/commands/shell.h"
@@ -124,6 +125,8 @@ TEST_F(PlayerCommand, EndsUnreadableScenesWithThree) {
     EXPECT_THAT(result.output, HasSubstr(file));
   }
   EXPECT_THAT(play("plain.gltf --headless").output, HasSubstr("overcast-bake"));
+  ASSERT_TRUE(writeFileAtomically(folder / "shape.off", "OFF\n").ok());
+  EXPECT_THAT(play("shape.off --headless").output, HasSubstr("run overcast-bake"));
   EXPECT_FALSE(fs::exists(folder / "never.png"));
 }
 

@@ -56,6 +56,15 @@ TEST_F(Assets, ReadBackWhatWasWrittenAndSampleTheSame) {
   }
 }
 
+// The URI in the JSON is percent-encoded once and decoded once.
+TEST_F(Assets, AnyFileNameSurvivesTheUri) {
+  Occluder occluder;
+  ASSERT_TRUE(writeAsset(folder.path, "100%41 b", Asset(smallVolume()), occluder).ok());
+  const auto parsed = parseOccluder(occluderJson(occluder), "x");
+  ASSERT_TRUE(parsed.ok()) << message(parsed.error());
+  EXPECT_TRUE(readAsset(folder.path, parsed.value()).ok());
+}
+
 TEST_F(Assets, AnOccluderThatChangesItsKindForgetsTheOldOne) {
   Occluder occluder;
   ASSERT_TRUE(writeAsset(folder.path, "thing", smallPrimitive(), occluder).ok());
