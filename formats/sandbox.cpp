@@ -1,8 +1,9 @@
 // Why forking a process that has threads is acceptable here: after fork the child has only the calling thread. POSIX promises it
 // async-signal-safe calls only, but glibc keeps malloc, stdio and the unwinder usable across fork, and a parser needs nothing else that
-// another thread could have held locked. Should a lock be inherited all the same, the child hangs, is killed at the wall-clock limit
-// and costs one file. The child touches neither the threads nor the Vulkan device it inherits and leaves with _exit, so no destructor of
-// the parent's objects runs twice.
+// another thread could have held locked. TBB is the exception (OpenVDB frees trees with it): work shared with threads that the child does
+// not have is never finished, so the child parses in an arena of one slot that was made before the fork. Should a lock be inherited all the
+// same, the child hangs, is killed at the wall-clock limit and costs one file. The child touches neither the threads nor the Vulkan device
+// it inherits and leaves with _exit, so no destructor of the parent's objects runs twice.
 #include "formats/sandbox.h"
 
 #include <fcntl.h>
@@ -24,6 +25,8 @@
 #include <stdexcept>
 #include <string>
 #include <utility>
+
+#include <tbb/task_arena.h>
 
 namespace overcast {
 namespace {
@@ -129,10 +132,11 @@ Error unpacked(const Bytes& bytes) {
   return Error{parts[0], parts[1], parts[2]};
 }
 
-[[noreturn]] void runChild(const SandboxLimits& limits, int resultPipe, pid_t parent, const std::function<Result<Bytes>()>& parse) {
+[[noreturn]] void runChild(const SandboxLimits& limits, int resultPipe, pid_t parent, tbb::task_arena& alone,
+                           const std::function<Result<Bytes>()>& parse) {
   enterSandbox(limits, resultPipe, parent);
   try {
-    const Result<Bytes> result = parse();
+    const Result<Bytes> result = alone.execute(parse);
     if (result) {
       send(resultPipe, Outcome::value, result.value().data(), result.value().size());
     } else {
@@ -254,9 +258,11 @@ Result<Bytes> hearChild(const std::filesystem::path& file, const SandboxLimits& 
 Result<Bytes> runSandboxed(const std::filesystem::path& file, const SandboxLimits& limits, const std::function<Result<Bytes>()>& parse) {
   std::array<int, 2> pipe{-1, -1};
   if (::pipe2(pipe.data(), O_CLOEXEC) != 0) return Error{file.string(), "", fmt::format("cannot start a reader: {}", std::strerror(errno))};
+  tbb::task_arena alone(1);
+  alone.execute([] {});  // this thread and the arena are known to TBB before the fork
   const pid_t parent = ::getpid();
   const pid_t child = ::fork();
-  if (child == 0) runChild(limits, pipe[1], parent, parse);
+  if (child == 0) runChild(limits, pipe[1], parent, alone, parse);
   ::close(pipe[1]);
   if (child < 0) {
     ::close(pipe[0]);

@@ -164,6 +164,20 @@ TEST(Sandbox, ManyAtOnceLeaveNoZombiesAndNoOpenFiles) {
   EXPECT_EQ(test::entries("/proc/self/fd"), openBefore);
 }
 
+// The threads that TBB has in the parent do not exist in the child: work offered to them would never come back.
+TEST(Sandbox, ReadersMayUseTbb) {
+  for (int round = 0; round < 100; ++round) {
+    std::atomic<int> warm{0};
+    tbb::parallel_for(0, 1000, [&](int) { ++warm; });
+    const auto result = run([]() -> Result<Bytes> {
+      std::atomic<int> sum{0};
+      tbb::parallel_for(0, 1000, [&](int i) { sum += i; });
+      return sum == 499500 ? Result<Bytes>(Bytes(1)) : Result<Bytes>(Error{"", "", "wrong sum"});
+    });
+    ASSERT_TRUE(result.ok()) << round << ": " << message(result.error());
+  }
+}
+
 TEST(Sandbox, AHungNeighbourDoesNotHoldUpTheOthers) {
   std::atomic<bool> hung{true};
   std::thread slow([&] {
