@@ -4,22 +4,25 @@
 #include <cstdlib>
 #include <tuple>
 
+#include "bake/bucket_sort.h"
+
 namespace overcast {
 
 std::vector<EdgeUse> edgeUses(const std::vector<glm::uvec3>& triangles) {
   std::vector<EdgeUse> uses;
   uses.reserve(triangles.size() * 3);
+  std::size_t vertices = 0;
   for (std::uint32_t t = 0; t < triangles.size(); ++t) {
     for (int corner = 0; corner < 3; ++corner) {
+      vertices = std::max(vertices, std::size_t{triangles[t][corner]} + 1);
       const std::uint32_t from = triangles[t][corner];
       const std::uint32_t to = triangles[t][(corner + 1) % 3];
       if (from != to) uses.push_back({std::min(from, to), std::max(from, to), t, from < to});
     }
   }
-  std::sort(uses.begin(), uses.end(), [](const EdgeUse& a, const EdgeUse& b) {
-    return std::tie(a.low, a.high, a.triangle, a.forward) < std::tie(b.low, b.high, b.triangle, b.forward);
-  });
-  return uses;
+  return bucketSorted(
+      uses, vertices, [](const EdgeUse& use) { return use.low; },
+      [](const EdgeUse& a, const EdgeUse& b) { return std::tie(a.high, a.triangle, a.forward) < std::tie(b.high, b.triangle, b.forward); });
 }
 
 std::vector<DirectedEdge> netBoundary(const std::vector<glm::uvec3>& triangles) {

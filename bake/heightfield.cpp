@@ -11,6 +11,7 @@
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
 
+#include "bake/canonical.h"
 #include "bake/height_raster.h"
 
 namespace overcast {
@@ -169,10 +170,11 @@ glm::ivec2 sizeFor(const glm::dvec3& extent, int resolution) {
 
 }  // namespace
 
-Result<HeightField> bakeHeightField(const Mesh& mesh, const HeightView& view, int resolution) {
+Result<HeightField> bakeHeightField(const Mesh& given, const HeightView& view, int resolution) {
   if (resolution < kMinHeightFieldSide || resolution > kMaxHeightFieldSide || !std::has_single_bit(static_cast<unsigned>(resolution)))
     return failure(fmt::format("{} texels are not a power of two within {} to {}", resolution, kMinHeightFieldSide, kMaxHeightFieldSide));
-  if (mesh.triangles.empty()) return failure("mesh has no triangle");
+  if (given.triangles.empty()) return failure("mesh has no triangle");
+  const Mesh mesh = canonicalOrder(given);
   const glm::dvec3 middle = centre(bounds(mesh));
   std::vector<glm::dvec3> points = inField(mesh, view.localFromField, middle);
   const Box box = boxOf(points, mesh);

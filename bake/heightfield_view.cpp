@@ -8,6 +8,7 @@
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
 
+#include "bake/canonical.h"
 #include "bake/height_raster.h"
 #include "bake/heightfield.h"
 #include "bake/lattice.h"
@@ -151,8 +152,9 @@ const Candidate* flattest(const std::vector<Candidate>& candidates, bool pair) {
 
 }  // namespace
 
-Result<HeightView> bestHeightView(const Mesh& mesh) {
-  if (mesh.triangles.empty()) return failure("mesh has no triangle");
+Result<HeightView> bestHeightView(const Mesh& given) {
+  if (given.triangles.empty()) return failure("mesh has no triangle");
+  const Mesh mesh = canonicalOrder(given);
   const double size = diagonal(bounds(mesh));
   if (!std::isfinite(size) || size == 0.0) return failure("mesh has no extent");
   std::vector<Candidate> candidates = candidatesFor(mesh);

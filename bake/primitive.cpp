@@ -4,10 +4,10 @@
 #include <array>
 #include <cmath>
 #include <numeric>
-#include <tuple>
 #include <vector>
 
 #include <Eigen/Dense>
+#include <glm/common.hpp>
 #include <glm/geometric.hpp>
 #include <glm/gtc/quaternion.hpp>
 #include <glm/matrix.hpp>
@@ -42,33 +42,14 @@ struct Fit {
   double cost = 0.0;
 };
 
-auto key(const glm::dvec3& p) {
-  return std::tuple(p.x, p.y, p.z);
-}
-
-/// The mesh in units of its diagonal about its middle, with each position once, positions and triangles sorted: any order of the input
-/// gives the same. Orientation is kept.
-Mesh canonical(const Mesh& mesh, const Box& box) {
-  Mesh sorted;
-  const double scale = diagonal(box);
-  const auto place = [&](std::uint32_t index) { return (mesh.positions[index] - centre(box)) / scale; };
-  for (const glm::uvec3& t : mesh.triangles)
-    for (int corner = 0; corner < 3; ++corner) sorted.positions.push_back(place(t[corner]));
-  std::sort(sorted.positions.begin(), sorted.positions.end(), [](const auto& a, const auto& b) { return key(a) < key(b); });
-  sorted.positions.erase(std::unique(sorted.positions.begin(), sorted.positions.end()), sorted.positions.end());
-  const auto find = [&](std::uint32_t index) {
-    const auto found = std::lower_bound(sorted.positions.begin(), sorted.positions.end(), place(index),
-                                        [](const auto& a, const auto& b) { return key(a) < key(b); });
-    return static_cast<std::uint32_t>(found - sorted.positions.begin());
-  };
-  for (const glm::uvec3& t : mesh.triangles) {
-    glm::uvec3 triangle(find(t.x), find(t.y), find(t.z));
-    while (triangle.x > std::min(triangle.y, triangle.z)) triangle = {triangle.y, triangle.z, triangle.x};
-    sorted.triangles.push_back(triangle);
-  }
-  const auto order = [](const glm::uvec3& t) { return std::tuple(t.x, t.y, t.z); };
-  std::sort(sorted.triangles.begin(), sorted.triangles.end(), [&](const auto& a, const auto& b) { return order(a) < order(b); });
-  return sorted;
+/// The mesh in units of its diagonal about its middle.
+Mesh normalised(const Mesh& mesh, const Box& box) {
+  Mesh scaled;
+  scaled.triangles = mesh.triangles;
+  scaled.positions.reserve(mesh.positions.size());
+  // Vertices that no triangle uses may lie anywhere.
+  for (const glm::dvec3& p : mesh.positions) scaled.positions.push_back((glm::clamp(p, box.min, box.max) - centre(box)) / diagonal(box));
+  return scaled;
 }
 
 double areaOf(const Mesh& mesh, const glm::uvec3& t) {
@@ -223,7 +204,7 @@ Error failure(std::string reason) {
 Result<Primitive> bakePrimitive(const Mesh& mesh, PrimitiveShape shape, const Progress& progress) {
   const Box box = bounds(mesh);
   if (const Result<Grid> checked = volumeGrid(box, VolumeSettings{}); !checked) return checked.error();
-  const Mesh prepared = repair(canonical(mesh, box)).mesh;
+  const Mesh prepared = repair(normalised(mesh, box)).mesh;
   const double area = std::accumulate(prepared.triangles.begin(), prepared.triangles.end(), 0.0,
                                       [&](double sum, const glm::uvec3& t) { return sum + areaOf(prepared, t); });
   if (!(area > 0.0)) return failure("no triangle has an area");

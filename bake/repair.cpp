@@ -6,11 +6,12 @@
 #include <tuple>
 
 #include <CGAL/Polygon_mesh_processing/orient_polygon_soup.h>
-#include <CGAL/Polygon_mesh_processing/repair_polygon_soup.h>
 #include <CGAL/Simple_cartesian.h>
 
 #include <glm/geometric.hpp>
 
+#include "bake/bucket_sort.h"
+#include "bake/canonical.h"
 #include "bake/edges.h"
 
 namespace overcast {
@@ -19,25 +20,6 @@ namespace {
 namespace pmp = CGAL::Polygon_mesh_processing;
 using Kernel = CGAL::Simple_cartesian<double>;
 using Polygon = std::array<std::size_t, 3>;
-
-/// Positions that are exactly equal become one vertex; triangles keep their order.
-Mesh weld(const Mesh& mesh, std::uint64_t& merged) {
-  std::vector<Kernel::Point_3> points;
-  points.reserve(mesh.positions.size());
-  for (const glm::dvec3& p : mesh.positions) points.emplace_back(p.x, p.y, p.z);
-  std::vector<Polygon> polygons;
-  polygons.reserve(mesh.triangles.size());
-  for (const glm::uvec3& t : mesh.triangles) polygons.push_back({t.x, t.y, t.z});
-  merged = pmp::merge_duplicate_points_in_polygon_soup(points, polygons);
-
-  Mesh welded;
-  welded.name = mesh.name;
-  welded.positions.reserve(points.size());
-  for (const Kernel::Point_3& p : points) welded.positions.emplace_back(p.x(), p.y(), p.z());
-  welded.triangles.reserve(polygons.size());
-  for (const Polygon& p : polygons) welded.triangles.emplace_back(p[0], p[1], p[2]);
-  return welded;
-}
 
 bool isCollapsed(const glm::uvec3& t) {
   return t.x == t.y || t.y == t.z || t.z == t.x;
@@ -79,6 +61,7 @@ std::vector<char> dropDuplicates(Mesh& mesh, std::uint64_t& dropped) {
     std::uint32_t triangle;
   };
   std::vector<Key> keys;
+  keys.reserve(mesh.triangles.size());
   for (std::uint32_t i = 0; i < mesh.triangles.size(); ++i) {
     const glm::uvec3& t = mesh.triangles[i];
     std::array<std::uint32_t, 3> corners{t.x, t.y, t.z};
@@ -87,8 +70,9 @@ std::vector<char> dropDuplicates(Mesh& mesh, std::uint64_t& dropped) {
         (t.x == corners[0] && t.y == corners[1]) || (t.y == corners[0] && t.z == corners[1]) || (t.z == corners[0] && t.x == corners[1]);
     keys.push_back({corners, even || isCollapsed(t), i});
   }
-  std::sort(keys.begin(), keys.end(),
-            [](const Key& a, const Key& b) { return std::tie(a.corners, a.even, a.triangle) < std::tie(b.corners, b.even, b.triangle); });
+  keys = bucketSorted(
+      keys, mesh.positions.size(), [](const Key& key) { return key.corners[0]; },
+      [](const Key& a, const Key& b) { return std::tie(a.corners, a.even, a.triangle) < std::tie(b.corners, b.even, b.triangle); });
   std::vector<char> repeated(mesh.triangles.size(), 0), paired(mesh.triangles.size(), 0);
   std::size_t group = 0;  // first key with these corners
   for (std::size_t i = 1; i < keys.size(); ++i) {
@@ -219,7 +203,7 @@ void orientPatches(Mesh& mesh, const std::vector<std::uint32_t>& active, MeshDia
 RepairedMesh repair(const Mesh& mesh) {
   RepairedMesh repaired;
   MeshDiagnosis& found = repaired.found;
-  repaired.mesh = weld(mesh, found.verticesMerged);
+  repaired.mesh = canonicalOrder(mesh, found.verticesMerged);
   std::vector<char> paired = dropDuplicates(repaired.mesh, found.duplicateTriangles);
   openDoubleSided(repaired.mesh, paired, found);
   const std::vector<glm::uvec3>& triangles = repaired.mesh.triangles;
@@ -240,7 +224,7 @@ RepairedMesh repair(const Mesh& mesh) {
   });
   found.closed = found.boundaryEdges == 0;
   found.insideOut = found.closed && volume < 0.0;
-  repaired.mesh.parts = {MeshPart{0, static_cast<std::uint32_t>(triangles.size()), -1}};
+  repaired.mesh.parts.front().triangleCount = static_cast<std::uint32_t>(triangles.size());
   return repaired;
 }
 

@@ -25,7 +25,8 @@ struct MeshDiagnosis {
 /// they cancel in the winding number, as the wall between two glued solids should; but a component of
 /// such pairs alone is a surface modelled with two sides and keeps one of them), orientation consistent within each manifold patch that
 /// was inconsistent: outward where the patch is closed, else the side that most of its area faced. Consistent patches are left as they are:
-/// a cavity keeps its meaning. Vertices and triangles keep their order; normals are dropped and parts are one run.
+/// a cavity keeps its meaning. Vertices and triangles come in canonical order (bake/canonical.h), so that nothing depends on the input's;
+/// normals are dropped and parts are one run.
 struct RepairedMesh {
   Mesh mesh;
   MeshDiagnosis found;

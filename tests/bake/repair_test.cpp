@@ -1,5 +1,7 @@
 #include "bake/repair.h"
 
+#include <algorithm>
+#include <array>
 #include <random>
 
 #include <gtest/gtest.h>
@@ -16,6 +18,22 @@ using reference::joined;
 using reference::torusMesh;
 using reference::unwelded;
 
+/// Corner positions of every triangle, each triangle from its smallest corner on, sorted: the mesh without its order.
+std::vector<std::array<std::array<double, 3>, 3>> surfaceOf(const Mesh& mesh) {
+  std::vector<std::array<std::array<double, 3>, 3>> surface;
+  for (const glm::uvec3& t : mesh.triangles) {
+    std::array<std::array<double, 3>, 3> corner{};
+    for (int c = 0; c < 3; ++c) {
+      const glm::dvec3& p = mesh.positions[t[c]];
+      corner[static_cast<std::size_t>(c)] = {p.x, p.y, p.z};
+    }
+    std::rotate(corner.begin(), std::min_element(corner.begin(), corner.end()), corner.end());
+    surface.push_back(corner);
+  }
+  std::sort(surface.begin(), surface.end());
+  return surface;
+}
+
 double volumeOf(const Mesh& mesh) {
   double sum = 0.0;
   for (const glm::uvec3& t : mesh.triangles) sum += glm::dot(mesh.positions[t.x], glm::cross(mesh.positions[t.y], mesh.positions[t.z]));
@@ -25,8 +43,8 @@ double volumeOf(const Mesh& mesh) {
 TEST(Repair, LeavesACleanMeshAlone) {
   const Mesh mesh = torusMesh(1.0, 0.4, 20, 10);
   const RepairedMesh repaired = repair(mesh);
-  EXPECT_EQ(repaired.mesh.positions, mesh.positions);
-  EXPECT_EQ(repaired.mesh.triangles, mesh.triangles);
+  EXPECT_EQ(repaired.mesh.positions.size(), mesh.positions.size());
+  EXPECT_EQ(surfaceOf(repaired.mesh), surfaceOf(mesh));
   EXPECT_TRUE(repaired.found.closed);
   EXPECT_FALSE(repaired.found.insideOut);
   EXPECT_EQ(repaired.found.components, 1u);
@@ -63,12 +81,13 @@ TEST(Repair, OrientsAShuffledClosedMeshOutward) {
 
 TEST(Repair, KeepsConsistentComponentsAsTheyAre) {
   Mesh mesh = joined(sphereMesh(glm::dvec3(0.0), 1.0, 10, 12), insideOut(sphereMesh(glm::dvec3(0.0), 0.5, 10, 12)));  // a cavity
-  const std::vector<glm::uvec3> given = mesh.triangles;
+  const auto given = surfaceOf(mesh);
   Mesh mixed = boxBetween(glm::dvec3(2.0), glm::dvec3(3.0));
   std::swap(mixed.triangles[4].x, mixed.triangles[4].y);
   mesh = joined(mesh, mixed);
   const RepairedMesh repaired = repair(mesh);
-  EXPECT_TRUE(std::equal(given.begin(), given.end(), repaired.mesh.triangles.begin()));
+  const auto kept = surfaceOf(repaired.mesh);
+  EXPECT_TRUE(std::includes(kept.begin(), kept.end(), given.begin(), given.end()));
   EXPECT_EQ(repaired.found.reorientedTriangles, 1u);
   EXPECT_EQ(repaired.found.inconsistentEdges, 3u);
   EXPECT_EQ(repaired.found.components, 3u);

@@ -16,6 +16,7 @@
 #include "formats/scene.h"
 #include "tests/commands/scratch.h"
 #include "tests/commands/shell.h"
+#include "tests/reference/radius.h"
 #include "tests/reference/shapes.h"
 
 namespace overcast::test {
@@ -104,6 +105,47 @@ TEST_F(BakeCommand, SameBytesForAnyThreadCount) {
     ASSERT_EQ(bake(fmt::format("ball.off ring.off bowl.off -o out{0} --threads {0} --quiet", threads)).exitCode, 0);
   EXPECT_EQ(filesIn("out1"), filesIn("out2"));
   EXPECT_EQ(filesIn("out1"), filesIn("out4"));
+}
+
+// Every representation, on meshes that give repair, winding number and centre search something to decide.
+TEST_F(BakeCommand, SameAssetsAndErrorsForAnyOrderOfTheInput) {
+  const Mesh ball = reference::withRadius(reference::icosphere(1.0, 3), reference::bumpyRadius());
+  write("bumpy.off", ball);
+  write("spoiled.off", reference::withFlips(reference::withHoles(reference::torusMesh(1.0, 0.4, 32, 16), 0.1, 4), 0.2, 5));
+  Mesh bumps = reference::torusMesh(1.0, 0.4, 32, 16);
+  std::erase_if(bumps.triangles,
+                [&](const glm::uvec3& t) { return bumps.positions[t.x].y + bumps.positions[t.y].y + bumps.positions[t.z].y < 0.1; });
+  write("half.off", bumps);
+  const std::map<std::string, std::string> meshOf = {
+      {"volume", "spoiled.off"}, {"radius", "bumpy.off"}, {"heightfield", "half.off"}, {"primitive", "bumpy.off"}};
+  for (const auto& [representation, name] : meshOf) {
+    SCOPED_TRACE(representation);
+    std::vector<nlohmann::json> errors;
+    std::vector<std::vector<std::string>> assets;
+    for (const int threads : {1, 2, 4}) {
+      const Result<MeshFile> given = readMesh(folder / name);
+      ASSERT_TRUE(given.ok());
+      fs::create_directories(folder / "in");
+      const auto seed = static_cast<std::uint64_t>(threads);
+      ASSERT_TRUE(writeOff(folder / "in" / name, threads == 1 ? given.value().mesh : reference::shuffled(given.value().mesh, seed)).ok());
+      const std::string out = fmt::format("{}{}", representation, threads);
+      const ShellResult baked =
+          bake(fmt::format("in/{} -o {} --representation {} --max-error 0.02 --threads {} --json --error-samples 500 --quiet", name, out,
+                           representation, threads));
+      ASSERT_EQ(baked.exitCode, 0) << baked.output;
+      nlohmann::json occluder = nlohmann::json::parse(baked.output)["inputs"][0]["meshes"][0]["occluder"];
+      EXPECT_EQ(occluder["representation"], representation);
+      for (const char* hashed : {"uri", "settingsHash"}) occluder.erase(hashed);
+      errors.push_back(occluder);
+      assets.emplace_back();
+      for (const auto& [path, bytes] : filesIn(out))
+        if (path.ends_with(".vdb") || path.ends_with(".exr")) assets.back().push_back(bytes);
+    }
+    EXPECT_EQ(errors[0], errors[1]);
+    EXPECT_EQ(errors[0], errors[2]);
+    EXPECT_EQ(assets[0].size(), representation == "primitive" ? 0u : 1u);
+    EXPECT_TRUE(assets[0] == assets[1] && assets[0] == assets[2]);
+  }
 }
 
 TEST_F(BakeCommand, JsonAloneIsOnStdout) {

@@ -1,9 +1,11 @@
 #include "tests/reference/shapes.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <map>
 #include <numbers>
+#include <numeric>
 #include <random>
 
 #include <glm/common.hpp>
@@ -164,6 +166,23 @@ Mesh unwelded(const Mesh& mesh) {
     result.triangles.emplace_back(first, first + 1, first + 2);
   }
   return finished(std::move(result), "unwelded");
+}
+
+Mesh shuffled(const Mesh& mesh, std::uint64_t seed) {
+  std::mt19937_64 engine(seed);
+  std::vector<unsigned> order(mesh.positions.size());
+  std::iota(order.begin(), order.end(), 0u);
+  std::shuffle(order.begin(), order.end(), engine);
+  Mesh result;
+  result.positions.resize(mesh.positions.size());
+  for (std::size_t i = 0; i < order.size(); ++i) result.positions[order[i]] = mesh.positions[i];
+  for (const glm::uvec3& t : mesh.triangles) {
+    const std::array<unsigned, 3> corner{order[t.x], order[t.y], order[t.z]};
+    const std::uint64_t first = engine() % 3;
+    result.triangles.emplace_back(corner[first], corner[(first + 1) % 3], corner[(first + 2) % 3]);
+  }
+  std::shuffle(result.triangles.begin(), result.triangles.end(), engine);
+  return finished(std::move(result), "shuffled");
 }
 
 Mesh moved(const Mesh& mesh, const glm::dvec3& offset) {

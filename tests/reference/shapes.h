@@ -35,6 +35,9 @@ Mesh withDuplicates(const Mesh& mesh, double share, std::uint64_t seed);  ///< t
 Mesh insideOut(const Mesh& mesh);                                         ///< every triangle reversed
 Mesh unwelded(const Mesh& mesh);                                          ///< three vertices of its own for every triangle, as in STL
 
+/// The same surface listed otherwise: vertices and triangles in another order, corners rotated within triangles.
+Mesh shuffled(const Mesh& mesh, std::uint64_t seed);
+
 Mesh moved(const Mesh& mesh, const glm::dvec3& offset);
 Mesh scaled(const Mesh& mesh, double factor);
 Mesh joined(const Mesh& first, const Mesh& second);  ///< both in one mesh, untouched where they overlap
