@@ -43,7 +43,7 @@ std::string positiveNumber(const std::string& text) {
 
 void addOptions(CLI::App& app, Options& options) {
   static const std::map<std::string, VolumeBits> bits = {
-      {"auto", VolumeBits::automatic}, {"16", VolumeBits::half}, {"32", VolumeBits::single}};
+      {"auto", VolumeBits::automatic}, {"8", VolumeBits::snorm8}, {"16", VolumeBits::half}, {"32", VolumeBits::single}};
   VolumeSettings& settings = options.settings.volume;
   app.add_option("INPUT", options.inputs, "meshes (.obj .ply .stl .off) and scenes (.gltf .glb), side by side in one scene")->required();
   app.add_option("-o,--output", options.folder, "folder for the baked scene; made when missing")
@@ -57,7 +57,7 @@ void addOptions(CLI::App& app, Options& options) {
       ->check(positiveNumber)
       ->excludes(resolution);
   app.add_option("--padding", settings.padding, "voxels around each mesh")->check(CLI::Range(0.0, 255.0))->capture_default_str();
-  app.add_option("--bits", settings.bits, "precision on disk: auto, 16 or 32")
+  app.add_option("--bits", settings.bits, "precision of the distances: 8 (signed normalised), 16, 32 or auto (16 unless they do not fit)")
       ->transform(CLI::CheckedTransformer(bits))
       ->default_str("auto");
   app.add_option("--error-samples", settings.errorSamples, "random points at which the error is measured; 0: none")

@@ -54,6 +54,7 @@ Json occluderOf(const MeshBake& mesh) {
   Json json = {{"representation", name(representationOf(*mesh.asset))},
                {"uri", occluder.uri},
                {"bytes", occluder.bytes},
+               {"bits", occluder.bits},
                {"contentHash", occluder.contentHash},
                {"bounds", {{"min", toJson(box.min)}, {"max", toJson(box.max)}}},
                {"lipschitz", occluder.lipschitz}};

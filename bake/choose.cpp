@@ -74,7 +74,12 @@ const std::vector<Ladder>& ladders() {
       {Representation::primitive, PrimitiveShape::ellipsoid, 1.8, {0}, {VolumeBits::automatic}, primitiveOf<PrimitiveShape::ellipsoid>},
       {Representation::radius, {}, 1.1, {8, 16, 32, 64, 128}, {VolumeBits::automatic}, radiusOf},
       {Representation::heightfield, {}, 3.1, {8, 16, 32, 64, 128, 256}, {VolumeBits::automatic}, heightFieldOf},
-      {Representation::volume, {}, 1.0, {8, 12, 16, 24, 32, 48, 64, 96, 128, 192, 256}, {VolumeBits::half, VolumeBits::single}, volumeOf},
+      {Representation::volume,
+       {},
+       1.0,
+       {8, 12, 16, 24, 32, 48, 64, 96, 128, 192, 256},
+       {VolumeBits::snorm8, VolumeBits::half, VolumeBits::single},
+       volumeOf},
   };
   return table;
 }
@@ -267,7 +272,7 @@ std::string name(const Candidate& candidate) {
   std::string text = name(candidate.representation);
   if (candidate.shape) text += fmt::format(" {}", name(*candidate.shape));
   if (candidate.size > 0) text += fmt::format(" {}", candidate.size);
-  if (candidate.bits != VolumeBits::automatic) text += candidate.bits == VolumeBits::half ? " half" : " single";
+  if (candidate.bits != VolumeBits::automatic) text += fmt::format(" {}", name(candidate.bits));
   return text;
 }
 

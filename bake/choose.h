@@ -21,7 +21,7 @@ inline constexpr int kLargestCandidate = 256;
 struct Candidate {
   Representation representation = Representation::volume;
   int size = 0;                             ///< samples along the longest side, or texels along a side; 0 for a primitive
-  VolumeBits bits = VolumeBits::automatic;  ///< of a volume: half or single
+  VolumeBits bits = VolumeBits::automatic;  ///< of a volume: snorm8, half or single
   std::optional<PrimitiveShape> shape;      ///< of a primitive
 };
 

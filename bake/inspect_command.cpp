@@ -49,12 +49,14 @@ void inspectVolume(const Volume& volume, Findings& findings) {
   findings.json["voxelSize"] = volume.voxelSize;
   findings.json["bounds"] = toJson(bounds(volume));
   findings.json["signMethod"] = volume.signMethod;
+  findings.json["step"] = volume.step;
   findings.json["minimum"] = *low;
   findings.json["maximum"] = *high;
   findings.json["inside"] = inside;
   findings.json["lipschitz"] = lipschitzBound(volume);
   findings.lines.push_back(fmt::format("volume {}x{}x{}, voxel {:.6g}, box {}", volume.size.x, volume.size.y, volume.size.z,
                                        volume.voxelSize, text(bounds(volume))));
+  if (volume.step > 0.0f) findings.lines.push_back(fmt::format("8-bit distances: whole multiples of {:.6g}", volume.step));
   findings.lines.push_back(fmt::format("distances {:.6g} to {:.6g}, {} of {} samples inside, sign by {}, lipschitz {:.3f}", *low, *high,
                                        grouped(static_cast<std::uint64_t>(inside)), grouped(volume.distance.size()),
                                        volume.signMethod.empty() ? "unknown" : volume.signMethod, lipschitzBound(volume)));

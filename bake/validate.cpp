@@ -75,6 +75,9 @@ std::vector<std::string> checkAsset(Occluder occluder, const fs::path& folder) {
   const auto* volume = std::get_if<Volume>(&asset.value());
   if (volume && volume->signMethod != occluder.signMethod)
     findings.push_back(fmt::format("{}: sign method '{}' differs from the scene's '{}'", file, volume->signMethod, occluder.signMethod));
+  if (volume && occluder.bits > 0 && (volume->step > 0.0f) != (occluder.bits == 8))
+    findings.push_back(
+        fmt::format("{}: holds values of {} bits, the scene says {}", file, volume->step > 0.0f ? "8" : "more than 8", occluder.bits));
   const double steepest = lipschitzBound(asset.value());
   if (steepest > occluder.lipschitz * (1.0 + 1e-9))
     findings.push_back(fmt::format("{}: is steeper ({:.4f}) than the scene says ({:.4f})", file, steepest, occluder.lipschitz));

@@ -41,11 +41,14 @@ constexpr FileKind<HeightField> kindOf() {
 }
 
 /// What only some kinds know of themselves.
-void describe(const Volume& volume, Occluder& occluder) {
+void describe(const Volume& volume, VolumeBits bits, Occluder& occluder) {
   occluder.signMethod = volume.signMethod;
+  occluder.bits = bitCount(chooseBits(volume, bits));
 }
 template <class T>
-void describe(const T&, Occluder&) {}
+void describe(const T&, VolumeBits, Occluder& occluder) {
+  occluder.bits = 0;
+}
 
 template <class T>
 Result<std::uint64_t> write(const fs::path& folder, const std::string& stem, const T& asset, Occluder& occluder, VolumeBits bits) {
@@ -57,7 +60,7 @@ Result<std::uint64_t> write(const fs::path& folder, const std::string& stem, con
   occluder.uri = uri;
   occluder.contentHash = contentHash(content.value());
   occluder.primitive.reset();
-  describe(asset, occluder);
+  describe(asset, bits, occluder);
   return bytes;
 }
 
@@ -65,6 +68,7 @@ Result<std::uint64_t> write(const fs::path&, const std::string& stem, const Prim
   if (!isWhole(primitive)) return Error{stem, "", fmt::format("a {} that is out of range", name(primitive.shape))};
   occluder.uri.clear();
   occluder.contentHash.clear();
+  occluder.bits = 0;
   occluder.primitive = primitive;
   return kPrimitiveBytes;
 }

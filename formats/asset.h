@@ -31,9 +31,9 @@ double sampleAsset(const Asset& asset, const glm::dvec3& point);
 double lipschitzBound(const Asset& asset);
 
 /// Writes the asset as folder/<stem>.<its extension> (atomically; nothing for a primitive) and describes it: fills representation,
-/// uri, contentHash, bytes, bounds, lipschitz, a volume's signMethod and a primitive's numbers, and leaves the rest of `occluder` alone.
-/// `stem` may hold folders ("assets/bunny-0123"). Returns the bytes it costs on disk (kPrimitiveBytes for a primitive). `volumeBits` is
-/// for volumes alone. An Error when the disk fails or the values do not fit the format.
+/// uri, contentHash, bytes, bounds, lipschitz, a volume's signMethod and bits and a primitive's numbers, and leaves the rest of `occluder`
+/// alone. `stem` may hold folders ("assets/bunny-0123"). Returns the bytes it costs on disk (kPrimitiveBytes for a primitive). `volumeBits`
+/// is for volumes alone. An Error when the disk fails or the values do not fit the format.
 Result<std::uint64_t> writeAsset(const std::filesystem::path& folder, const std::string& stem, const Asset& asset, Occluder& occluder,
                                  VolumeBits volumeBits = VolumeBits::automatic);
 

@@ -3,22 +3,18 @@
 #include <charconv>
 #include <cmath>
 #include <limits>
-#include <optional>
 
 #include <glm/geometric.hpp>
 #include <glm/vec4.hpp>
 #include <nlohmann/json.hpp>
 
+#include "formats/json_fields.h"
 #include "formats/uri.h"
 
 namespace overcast {
 namespace {
 
-using Json = nlohmann::ordered_json;
-
-constexpr double kLargest = std::numeric_limits<double>::max();
 constexpr double kLargestFloat = 3.4e38;
-constexpr double kTiny = std::numeric_limits<double>::min();
 constexpr double kTinyFloat = std::numeric_limits<float>::min();
 
 Json arrayOf(const glm::vec3& v) {
@@ -29,125 +25,6 @@ Json arrayOf(const glm::dvec3& v) {
 }
 Json boxJson(const Box& box) {
   return {{"min", arrayOf(box.min)}, {"max", arrayOf(box.max)}};
-}
-
-/// One object being read. The first thing that is wrong is remembered, so that a parser reads as a list of fields.
-class Fields {
- public:
-  Fields(const Json& object, std::string place, std::optional<Error>& error) : object_(object), place_(std::move(place)), error_(error) {
-    if (!object_.is_object()) fail("", "is not an object");
-  }
-
-  bool has(const char* key) const { return object_.is_object() && object_.contains(key); }
-
-  Fields child(const char* key) { return {find(key), place_ + "/" + key, error_}; }
-  Fields element(const char* key, std::size_t i) { return {find(key).at(i), place_ + "/" + key + "/" + std::to_string(i), error_}; }
-
-  std::size_t arraySize(const char* key) {
-    const Json& value = find(key);
-    if (!value.is_array()) fail(key, "is not an array");
-    return value.is_array() ? value.size() : 0;
-  }
-
-  template <class T>
-  void number(const char* key, T& out, double low, double high) {
-    const Json& value = find(key);
-    if (checked(value, key, low, high)) out = static_cast<T>(value.get<double>());
-  }
-
-  template <class T>
-  void integer(const char* key, T& out, T low, T high) {
-    const Json& value = find(key);
-    const bool fits = value.is_number_unsigned() && value.get<std::uint64_t>() <= static_cast<std::uint64_t>(high) &&
-                      value.get<std::uint64_t>() >= static_cast<std::uint64_t>(low);
-    if (!fits) return fail(key, fmt::format("is not an integer from {} to {}", low, high));
-    out = value.get<T>();
-  }
-
-  template <class Vector>
-  void vector(const char* key, Vector& out, double low, double high) {
-    const Json& value = find(key);
-    constexpr int count = Vector::length();
-    if (!value.is_array() || value.size() != count) return fail(key, fmt::format("is not an array of {} numbers", count));
-    for (int i = 0; i < count; ++i) {
-      const Json& entry = value.at(static_cast<std::size_t>(i));
-      if (!checked(entry, key, low, high)) return;
-      out[i] = static_cast<typename Vector::value_type>(entry.get<double>());
-    }
-  }
-
-  void direction(const char* key, glm::vec3& out) {
-    glm::vec3 read = out;
-    vector(key, read, -2.0, 2.0);
-    const double length = std::sqrt(double{read.x} * read.x + double{read.y} * read.y + double{read.z} * read.z);
-    if (std::abs(length - 1.0) > 1e-3) return fail(key, fmt::format("is not a unit vector (its length is {:.6g})", length));
-    out = read;
-  }
-
-  /// x, y, z, w; made exactly unit where only its digits were cut short.
-  void rotation(const char* key, glm::dquat& out) {
-    glm::dvec4 xyzw(0.0, 0.0, 0.0, 1.0);
-    vector(key, xyzw, -2.0, 2.0);
-    const double length = glm::length(xyzw);
-    if (std::abs(length - 1.0) > 1e-6) return fail(key, fmt::format("is not a unit quaternion (its length is {:.9g})", length));
-    if (std::abs(length - 1.0) > 1e-14) xyzw /= length;
-    out = glm::dquat(xyzw.w, xyzw.x, xyzw.y, xyzw.z);
-  }
-
-  void text(const char* key, std::string& out, bool mayBeEmpty) {
-    const Json& value = find(key);
-    if (!value.is_string()) return fail(key, "is not a string");
-    out = value.get<std::string>();
-    if (out.empty() && !mayBeEmpty) fail(key, "is empty");
-  }
-
-  void box(const char* key, Box& out) {
-    Fields fields = child(key);
-    fields.vector("min", out.min, -kLargest, kLargest);
-    fields.vector("max", out.max, -kLargest, kLargest);
-    for (int i = 0; i < 3; ++i)
-      if (!(out.min[i] <= out.max[i])) fields.fail("min", fmt::format("{} is above max {}", out.min[i], out.max[i]));
-  }
-
-  void version(int newest) {
-    int version = 1;
-    integer("version", version, 1, std::numeric_limits<int>::max());
-    if (version > newest) fail("version", fmt::format("{} is newer than {}, the newest this program knows", version, newest));
-  }
-
-  void fail(const std::string& key, std::string reason) {
-    if (!error_) error_ = Error{"", key.empty() ? place_ : place_ + "/" + key, std::move(reason)};
-  }
-
- private:
-  const Json& find(const char* key) {
-    static const Json nothing;
-    if (has(key)) return object_.at(key);
-    fail(key, "is missing");
-    return nothing;
-  }
-
-  bool checked(const Json& value, const char* key, double low, double high) {
-    const double number = value.is_number() ? value.get<double>() : 0.0;
-    const bool fits = value.is_number() && number >= low && number <= high;
-    if (!fits) fail(key, value.is_number() ? fmt::format("{} is outside {:.6g} to {:.6g}", number, low, high) : "is not a number");
-    return fits;
-  }
-
-  const Json& object_;
-  std::string place_;
-  std::optional<Error>& error_;
-};
-
-template <class T, class Read>
-Result<T> parseObject(std::string_view json, const std::string& place, Read read) {
-  const Json document = Json::parse(json, nullptr, false);
-  std::optional<Error> error;
-  Fields fields(document, place, error);
-  T value;
-  if (!error) read(fields, value);
-  if (error) return *error;
-  return value;
 }
 
 bool isContentHash(const std::string& text) {
@@ -176,13 +53,13 @@ void readPrimitive(Fields fields, Primitive& primitive) {
 
 void readMeasuredError(Fields fields, MeasuredError& error) {
   constexpr std::uint64_t largest = std::numeric_limits<std::uint64_t>::max();
-  fields.number("max", error.max, 0.0, kLargest);
-  fields.number("rms", error.rms, 0.0, kLargest);
+  fields.number("max", error.max, 0.0, kLargestNumber);
+  fields.number("rms", error.rms, 0.0, kLargestNumber);
   fields.integer("signErrors", error.signErrors, std::uint64_t{0}, largest);
   fields.integer("samples", error.samples, std::uint64_t{0}, largest);
   fields.integer("seed", error.seed, std::uint64_t{0}, largest);
-  if (fields.has("p99")) fields.number("p99", error.p99, 0.0, kLargest);
-  if (fields.has("surfaceRms")) fields.number("surfaceRms", error.surfaceRms, 0.0, kLargest);
+  if (fields.has("p99")) fields.number("p99", error.p99, 0.0, kLargestNumber);
+  if (fields.has("surfaceRms")) fields.number("surfaceRms", error.surfaceRms, 0.0, kLargestNumber);
   if (fields.has("skyRmse")) fields.number("skyRmse", error.skyRmse, 0.0, 1.0);
   if (fields.has("method")) fields.text("method", error.method, false);
 }
@@ -200,9 +77,10 @@ void readOccluder(Fields& fields, Occluder& occluder) {
     readFileOf(fields, occluder);
   constexpr std::uint64_t largest = std::numeric_limits<std::uint64_t>::max();
   fields.integer("bytes", occluder.bytes, std::uint64_t{0}, largest);
+  if (fields.has("bits")) fields.integer("bits", occluder.bits, 1, 32);
   fields.box("bounds", occluder.bounds);
-  fields.number("influenceRadius", occluder.influenceRadius, 0.0, kLargest);
-  fields.number("lipschitz", occluder.lipschitz, kTiny, kLargest);
+  fields.number("influenceRadius", occluder.influenceRadius, 0.0, kLargestNumber);
+  fields.number("lipschitz", occluder.lipschitz, kSmallestNumber, kLargestNumber);
   fields.text("signMethod", occluder.signMethod, true);
   readMeasuredError(fields.child("error"), occluder.error);
   fields.text("source", occluder.source, true);
@@ -226,7 +104,7 @@ void readEstimator(Fields fields, Estimator& estimator) {
   fields.integer("taps", estimator.taps, 1, 8);
   fields.number("k", estimator.k, 0.0, kLargestFloat);
   fields.number("skyWeight", estimator.skyWeight, 0.0, 1.0);
-  if (fields.has("fitError")) fields.number("fitError", estimator.fitError, 0.0, kLargest);
+  if (fields.has("fitError")) fields.number("fitError", estimator.fitError, 0.0, kLargestNumber);
 }
 
 void readLighting(Fields& fields, Lighting& lighting) {
@@ -243,11 +121,6 @@ void readLighting(Fields& fields, Lighting& lighting) {
   if (lighting.globalVolume.resolution % 8 != 0) volume.fail("resolution", "is not a multiple of 8");
   readEstimator(fields.child("estimator"), lighting.estimator);
   fields.number("exposure", lighting.exposure, kTinyFloat, kLargestFloat);
-}
-
-/// Bytes that are no UTF-8 (names from old mesh files) become U+FFFD: JSON text has no other way to hold them.
-std::string dump(const Json& json) {
-  return json.dump(-1, ' ', false, Json::error_handler_t::replace);
 }
 
 Json primitiveJson(const Primitive& primitive) {
@@ -288,6 +161,7 @@ std::string occluderJson(const Occluder& occluder) {
     json["contentHash"] = occluder.contentHash;
   }
   json["bytes"] = occluder.bytes;
+  if (occluder.bits > 0) json["bits"] = occluder.bits;
   json["bounds"] = boxJson(occluder.bounds);
   json["influenceRadius"] = occluder.influenceRadius;
   json["lipschitz"] = occluder.lipschitz;
@@ -295,7 +169,7 @@ std::string occluderJson(const Occluder& occluder) {
   json["error"] = measuredErrorJson(occluder.error);
   json["source"] = occluder.source;
   json["settingsHash"] = occluder.settingsHash;
-  return dump(json);
+  return dumpJson(json);
 }
 
 std::string lightingJson(const Lighting& lighting) {
@@ -317,7 +191,7 @@ std::string lightingJson(const Lighting& lighting) {
       {"name", estimator.name}, {"taps", estimator.taps}, {"k", shortest(estimator.k)}, {"skyWeight", shortest(estimator.skyWeight)}};
   if (estimator.fitError >= 0.0) json["estimator"]["fitError"] = estimator.fitError;
   json["exposure"] = shortest(lighting.exposure);
-  return dump(json);
+  return dumpJson(json);
 }
 
 Result<Occluder> parseOccluder(std::string_view json, const std::string& place) {

@@ -36,6 +36,7 @@ struct Occluder {
   std::string uri;                        ///< file beside the glTF; empty for a primitive
   std::string contentHash;                ///< of that file (formats/files.h); empty for a primitive
   std::uint64_t bytes = 0;                ///< of that file; kPrimitiveBytes for a primitive
+  int bits = 0;                           ///< of a volume's stored values: 8, 16 or 32; 0: not said
   std::optional<Primitive> primitive;     ///< exactly when the representation is primitive
   Box bounds;                             ///< box within which the representation is defined
   double influenceRadius = 0.0;           ///< distance beyond the bounds up to which it is meant to occlude

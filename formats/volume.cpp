@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 
 #include <Imath/half.h>
 #include <glm/common.hpp>
@@ -12,6 +13,7 @@ namespace overcast {
 namespace {
 
 constexpr float kLargestHalf = 65504.0f;
+constexpr float kLargestSnorm8 = 127.0f;
 constexpr double kSmallestHalfStep = 0x1p-24;
 
 /// Trilinear interpolation at a point in units of samples, inside the box.
@@ -42,6 +44,30 @@ double squaredSlope(const Volume& volume, int i, int j, int k) {
   return sum;
 }
 
+/// The smallest float of 4 significant bits, 127 of which reach `largest`: 7 bits times 4 are 11, which half floats hold exactly.
+float stepFor(float largest) {
+  int exponent = 0;
+  const double share = std::frexp(static_cast<double>(largest) / kLargestSnorm8, &exponent);
+  const double step = std::ldexp(std::ceil(16.0 * share) / 16.0, exponent);
+  return static_cast<float>(std::max(step, 0x1p-126));  // exact down there too, and never 0
+}
+
+bool isMultipleOf(float step, float distance) {
+  const float count = std::nearbyint(distance / step);
+  return std::abs(count) <= kLargestSnorm8 && count * step == distance;
+}
+
+bool isQuantised(const Volume& volume) {
+  return volume.step >= std::numeric_limits<float>::min() &&
+         std::all_of(volume.distance.begin(), volume.distance.end(), [&](float d) { return isMultipleOf(volume.step, d); });
+}
+
+Volume rounded(Volume volume, float step) {
+  for (float& d : volume.distance) d = step * std::nearbyint(d / step) + 0.0f;  // 0 and not -0, which no 8 bits hold
+  volume.step = step;
+  return volume;
+}
+
 bool borderIsNegative(const Volume& volume) {
   for (int k = 0; k < volume.size.z; ++k)
     for (int j = 0; j < volume.size.y; ++j) {
@@ -65,7 +91,8 @@ bool isWhole(const Volume& volume) {
   return side(volume.size.x) && side(volume.size.y) && side(volume.size.z) && std::isfinite(volume.voxelSize) && volume.voxelSize > 0.0 &&
          std::isfinite(volume.origin.x) && std::isfinite(volume.origin.y) && std::isfinite(volume.origin.z) &&
          volume.distance.size() == sampleIndex(volume, 0, 0, volume.size.z) &&
-         std::all_of(volume.distance.begin(), volume.distance.end(), [](float d) { return std::isfinite(d); });
+         std::all_of(volume.distance.begin(), volume.distance.end(), [](float d) { return std::isfinite(d); }) &&
+         (volume.step == 0.0f || isQuantised(volume));
 }
 
 Box bounds(const Volume& volume) {
@@ -98,14 +125,33 @@ double lipschitzBound(const Volume& volume) {
 
 VolumeBits chooseBits(const Volume& volume, VolumeBits bits) {
   if (bits != VolumeBits::automatic) return bits;
+  if (volume.step > 0.0f) return VolumeBits::snorm8;
   if (kSmallestHalfStep > volume.voxelSize / 1000.0) return VolumeBits::single;
   const bool fits = std::all_of(volume.distance.begin(), volume.distance.end(), [](float d) { return std::abs(d) <= kLargestHalf; });
   return fits ? VolumeBits::half : VolumeBits::single;
 }
 
+int bitCount(VolumeBits bits) {
+  OVERCAST_REQUIRE(bits != VolumeBits::automatic, "no bits were chosen ({})", static_cast<int>(bits));
+  return bits == VolumeBits::snorm8 ? 8 : bits == VolumeBits::half ? 16 : 32;
+}
+
+const char* name(VolumeBits bits) {
+  const int count = bitCount(bits);
+  return count == 8 ? "snorm8" : count == 16 ? "half" : "single";
+}
+
 Volume asStored(Volume volume, VolumeBits bits) {
-  if (chooseBits(volume, bits) == VolumeBits::half)
+  const VolumeBits chosen = chooseBits(volume, bits);
+  if (chosen == VolumeBits::snorm8) {
+    if (volume.step > 0.0f) return volume;
+    float largest = 0.0f;
+    for (const float d : volume.distance) largest = std::max(largest, std::abs(d));
+    return rounded(std::move(volume), stepFor(largest));
+  }
+  if (chosen == VolumeBits::half)
     for (float& d : volume.distance) d = static_cast<float>(Imath::half(d));
+  volume.step = 0.0f;
   return volume;
 }
 

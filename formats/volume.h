@@ -23,6 +23,7 @@ struct Volume {
   double voxelSize = 0.0;  ///< spacing of samples, the same along all axes
   std::vector<float> distance;
   std::string signMethod;  ///< how inside was decided, e.g. "signed-crossings" or "winding-number" (bake/sign.h)
+  float step = 0.0f;       ///< positive: every distance is q * step, q whole, -127 .. 127 (VolumeBits::snorm8); 0: distances are any floats
 };
 
 inline constexpr int kVolumeVersion = 1;     ///< version of the .vdb layout, stored as metadata `overcast_version`
@@ -31,7 +32,8 @@ inline constexpr int kMaxVolumeSide = 1024;  ///< larger grids are refused befor
 /// Place of sample (i, j, k) in `distance`.
 std::size_t sampleIndex(const Volume& volume, int i, int j, int k);
 
-/// Every side within 2 .. kMaxVolumeSide, as many distances as these say, voxel size positive and finite, origin and distances finite.
+/// Every side within 2 .. kMaxVolumeSide, as many distances as these say, voxel size positive and finite, origin and distances finite, and
+/// `step`, where it is not 0, positive and what it says.
 bool isWhole(const Volume& volume);
 
 /// The box spanned by the outermost samples.
@@ -52,25 +54,35 @@ double sampleVolume(const Volume& volume, const glm::dvec3& point);
 /// below 1.
 double lipschitzBound(const Volume& volume);
 
-/// Precision of the values on disk.
-enum class VolumeBits { automatic, half, single };
+/// Precision of the values, on disk and on the device.
+/// `snorm8` is 8-bit signed normalised: distances are whole multiples, -127 .. 127, of a step of the volume's own, the smallest of 4
+/// significant bits with which the largest distance is within reach: no distance is clamped, and none is off by more than half a step,
+/// 1/254 to 1/225 of the largest. The scale is linear so that what the device filters, the stored numbers, is the distance everywhere.
+enum class VolumeBits { automatic, snorm8, half, single };
 
-/// What `automatic` means for this volume (half or single; any other value comes back as it is): half floats unless a distance would
-/// overflow them, or the voxel size is so small that their smallest step (2^-24) exceeds a thousandth of a voxel.
+/// What `automatic` means for this volume (any other value comes back as it is): snorm8 where it is that already (its step is positive),
+/// else half floats unless a distance would overflow them, or the voxel size is so small that their smallest step (2^-24) exceeds a
+/// thousandth of a voxel.
 VolumeBits chooseBits(const Volume& volume, VolumeBits bits = VolumeBits::automatic);
 
-/// The volume as readVolume gives it back after writeVolume: distances rounded to the chosen precision, all else untouched. Errors of a
-/// baked volume are measured on this. Distances that half floats cannot hold become infinite.
+/// Bits of a stored value, 8, 16 or 32, and how it is called, "snorm8", "half" or "single". `bits` is not automatic.
+int bitCount(VolumeBits bits);
+const char* name(VolumeBits bits);
+
+/// The volume as readVolume gives it back after writeVolume: distances rounded to the chosen precision and `step` as it says, all else
+/// untouched. Errors of a baked volume are measured on this. Distances that half floats cannot hold become infinite.
 Volume asStored(Volume volume, VolumeBits bits = VolumeBits::automatic);
 
 /// Writes one dense float grid named `distance`, class level set, with metadata overcast_version, overcast_sign_method and overcast_size,
-/// UUID made from the content: the same volume gives the same bytes, for any thread count. Atomic. Returns the bytes on disk; an Error when
+/// UUID made from the content: the same volume gives the same bytes, for any thread count. snorm8 adds overcast_step; the grid then holds
+/// the distances as any reader expects them, deflated to about a byte each. Atomic. Returns the bytes on disk; an Error when
 /// the disk fails, or when `bits` is half and a distance overflows it. `volume` is whole (isWhole).
 Result<std::uint64_t> writeVolume(const std::filesystem::path& path, const Volume& volume, VolumeBits bits = VolumeBits::automatic);
 
 /// Reads what writeVolume wrote, bit for bit, and the float grid `distance` of any other .vdb over the box of its active voxels (inactive
 /// ones within give the tree's value). Parsed in a sandbox. An Error when there is no such grid, its transform is not a positive uniform
-/// scale and a translation, a side is outside 2 .. kMaxVolumeSide, a value is not finite, or its overcast_version is a later one.
+/// scale and a translation, a side is outside 2 .. kMaxVolumeSide, a value is not finite or no multiple of overcast_step, or its
+/// overcast_version is a later one.
 Result<Volume> readVolume(const std::filesystem::path& path, const SandboxLimits& limits = {});
 
 }  // namespace overcast

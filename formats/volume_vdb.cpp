@@ -7,6 +7,7 @@
 #include <sstream>
 #include <streambuf>
 
+#include <Imath/half.h>
 #include <openvdb/io/Stream.h>
 #include <openvdb/openvdb.h>
 
@@ -23,6 +24,7 @@ constexpr const char* kGridName = "distance";
 constexpr const char* kVersionKey = "overcast_version";
 constexpr const char* kSignKey = "overcast_sign_method";
 constexpr const char* kSizeKey = "overcast_size";
+constexpr const char* kStepKey = "overcast_step";
 // Magic number (8 bytes), file version, library version (2 x 4), "has offsets" (1); then the UUID as text.
 constexpr std::size_t kUuidPosition = 8 + 4 + 4 + 4 + 1;
 constexpr std::size_t kUuidLength = 36;
@@ -43,6 +45,10 @@ std::string serialisedMap(const glm::dvec3& translation, double scale) {
   return out.str();
 }
 
+/// OpenVDB deflates no grid whose class says level set; readers do not mind.
+constexpr const char* kClass = "level set";
+constexpr const char* kStandInClass = "level_set";
+
 constexpr glm::dvec3 kStandInTranslation{3.0, 5.0, 7.0};
 constexpr double kStandInScale = 2.0;
 
@@ -55,8 +61,14 @@ void fillLeaf(openvdb::FloatTree::LeafNodeType& leaf, const Volume& volume) {
       for (int i = first.x(); i <= last.x(); ++i) leaf.setValueOn(openvdb::Coord(i, j, k), volume.distance[sampleIndex(volume, i, j, k)]);
 }
 
+/// Whether half floats hold every distance exactly; of 8-bit ones they do unless the volume is minute or enormous.
+bool areHalves(const Volume& volume) {
+  return std::all_of(volume.distance.begin(), volume.distance.end(), [](float d) { return static_cast<float>(Imath::half(d)) == d; });
+}
+
 /// The grid with a stand-in for its transform: OpenVDB's own would refuse scales below 1.4e-5 (their cube counts as zero) and take the
-/// scale from differences of mapped points, which loses its last bits. serialise() puts the true one in its place.
+/// scale from differences of mapped points, which loses its last bits. Of 8 bits, with one for its class. serialise() puts the true ones in
+/// their place.
 openvdb::FloatGrid::Ptr gridOf(const Volume& volume, VolumeBits bits) {
   // Beyond the box lies "far": the largest distance, so that half floats hold it too.
   const float largest = *std::max_element(volume.distance.begin(), volume.distance.end());
@@ -66,15 +78,16 @@ openvdb::FloatGrid::Ptr gridOf(const Volume& volume, VolumeBits bits) {
     for (int j = 0; j < volume.size.y; j += 8)
       for (int i = 0; i < volume.size.x; i += 8) fillLeaf(*grid->tree().touchLeaf(openvdb::Coord(i, j, k)), volume);
   grid->setName(kGridName);
-  grid->setGridClass(openvdb::GRID_LEVEL_SET);
+  grid->insertMeta(openvdb::GridBase::META_GRID_CLASS, openvdb::StringMetadata(bits == VolumeBits::snorm8 ? kStandInClass : kClass));
   const auto transform = openvdb::math::Transform::createLinearTransform(kStandInScale);
   transform->postTranslate({kStandInTranslation.x, kStandInTranslation.y, kStandInTranslation.z});
   grid->setTransform(transform);
-  grid->setSaveFloatAsHalf(bits == VolumeBits::half);
+  grid->setSaveFloatAsHalf(bits == VolumeBits::half || (bits == VolumeBits::snorm8 && areHalves(volume)));
   grid->setCreator("overcast");
   grid->insertMeta(kVersionKey, openvdb::Int32Metadata(kVolumeVersion));
   grid->insertMeta(kSignKey, openvdb::StringMetadata(volume.signMethod));
   grid->insertMeta(kSizeKey, openvdb::Vec3IMetadata(openvdb::Vec3i(volume.size.x, volume.size.y, volume.size.z)));
+  if (bits == VolumeBits::snorm8) grid->insertMeta(kStepKey, openvdb::FloatMetadata(volume.step));
   return grid;
 }
 
@@ -87,10 +100,13 @@ std::string uuidFrom(const std::string& hash) {
          digits.substr(20, 12);
 }
 
+/// `volume` is as stored in `bits`.
 std::string serialise(const Volume& volume, VolumeBits bits) {
   std::ostringstream out(std::ios::binary);
   openvdb::io::Stream stream(out);
-  stream.setCompression(openvdb::io::COMPRESS_BLOSC | openvdb::io::COMPRESS_ACTIVE_MASK);
+  // Few distinct values: deflate brings them near 8 bits each, which blosc's matches do not.
+  const std::uint32_t method = bits == VolumeBits::snorm8 ? openvdb::io::COMPRESS_ZIP : openvdb::io::COMPRESS_BLOSC;
+  stream.setCompression(method | openvdb::io::COMPRESS_ACTIVE_MASK);
   stream.setGridStatsMetadataEnabled(false);
   stream.write(openvdb::GridCPtrVec{gridOf(volume, bits)});
   std::string bytes = std::move(out).str();
@@ -99,6 +115,8 @@ std::string serialise(const Volume& volume, VolumeBits bits) {
   OVERCAST_REQUIRE(map != std::string::npos && bytes.find(standIn, map + 1) == std::string::npos,
                    "the transform is not in OpenVDB's {} bytes just once", bytes.size());
   bytes.replace(map, standIn.size(), serialisedMap(volume.origin, volume.voxelSize));
+  // Metadata stand in the order of their keys, so nobody's text comes before this one.
+  if (bits == VolumeBits::snorm8) bytes.replace(bytes.find(kStandInClass), std::strlen(kClass), kClass);
   const std::string random = stream.getUniqueTag();
   OVERCAST_REQUIRE(random.size() == kUuidLength && bytes.compare(kUuidPosition, kUuidLength, random) == 0,
                    "OpenVDB's header does not hold the UUID {} at byte {}", random, kUuidPosition);
@@ -160,6 +178,10 @@ Result<Done> takeMetadata(const openvdb::FloatGrid& grid, const std::string& fil
     if (size->value() != openvdb::Vec3i(volume.size.x, volume.size.y, volume.size.z))
       return Error{file, kSizeKey, "does not match the active voxels"};
   if (const auto sign = grid.getMetadata<openvdb::StringMetadata>(kSignKey)) volume.signMethod = sign->value();
+  if (const auto step = grid.getMetadata<openvdb::FloatMetadata>(kStepKey)) {
+    if (!(step->value() > 0.0f)) return Error{file, kStepKey, "is not positive"};
+    volume.step = step->value();
+  }
   return Done{};
 }
 
@@ -182,7 +204,10 @@ Result<Done> takeDistances(const openvdb::FloatGrid& grid, const openvdb::Coord&
   for (int k = 0; k < volume.size.z; ++k)
     for (int j = 0; j < volume.size.y; ++j)
       for (int i = 0; i < volume.size.x; ++i) volume.distance.push_back(reader.getValue(first.offsetBy(i, j, k)));
-  if (!isWhole(volume)) return Error{file, kGridName, "holds a value that is not finite"};
+  if (!isWhole(volume))
+    return Error{file, kGridName,
+                 volume.step == 0.0f ? "holds a value that is not finite"
+                                     : fmt::format("holds a value that is not one of the 255 multiples of {} = {}", kStepKey, volume.step)};
   return Done{};
 }
 
@@ -208,6 +233,7 @@ std::vector<std::byte> packed(const Volume& volume) {
   pack(bytes, volume.size);
   pack(bytes, volume.origin);
   pack(bytes, volume.voxelSize);
+  pack(bytes, volume.step);
   packText(bytes, volume.signMethod);
   packAll(bytes, std::span<const float>(volume.distance));
   return bytes;
@@ -243,7 +269,7 @@ Result<std::uint64_t> writeVolume(const std::filesystem::path& path, const Volum
     if (chosen == VolumeBits::half && std::abs(d) > kLargestHalf)
       return Error{path.string(), "", fmt::format("the distance {} does not fit a half float", d)};
   initialiseOpenVdb();
-  const std::string bytes = serialise(volume, chosen);
+  const std::string bytes = chosen == VolumeBits::snorm8 ? serialise(asStored(volume, chosen), chosen) : serialise(volume, chosen);
   const auto written = writeFileAtomically(path, std::string_view(bytes));
   if (!written) return written.error();
   return bytes.size();
@@ -265,6 +291,7 @@ Result<Volume> readVolume(const std::filesystem::path& path, const SandboxLimits
   volume.size = from.one<glm::ivec3>();
   volume.origin = from.one<glm::dvec3>();
   volume.voxelSize = from.one<double>();
+  volume.step = from.one<float>();
   volume.signMethod = from.text();
   volume.distance = from.all<float>();
   // A corrupt child may hand over anything: what it promised is checked again.

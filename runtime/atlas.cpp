@@ -67,16 +67,21 @@ bool better(const AtlasLayout& a, const AtlasLayout& b) {
   return key(a) < key(b);
 }
 
-float stored(float voxels, AtlasBits bits) {
-  if (bits == AtlasBits::single) return voxels;
+VkFormat formatOf(AtlasBits bits) {
+  return bits == AtlasBits::half ? VK_FORMAT_R16_SFLOAT : VK_FORMAT_R32_SFLOAT;
+}
+
+float stored(float voxels, VkFormat format) {
+  if (format != VK_FORMAT_R16_SFLOAT) return voxels;
   return glm::unpackHalf1x16(glm::packHalf1x16(std::clamp(voxels, -shared::kFarField, shared::kFarField)));
 }
 
 /// The volume in units of its voxels, with the values the device will see.
-Volume inVoxels(const Volume& volume, AtlasBits bits) {
+Volume inVoxels(const Volume& volume, VkFormat format) {
   Volume scaled = volume;
   scaled.voxelSize = 1.0;
-  for (float& distance : scaled.distance) distance = stored(static_cast<float>(distance / volume.voxelSize), bits);
+  scaled.step = 0.0f;
+  for (float& distance : scaled.distance) distance = stored(static_cast<float>(distance / volume.voxelSize), format);
   return scaled;
 }
 
@@ -91,24 +96,32 @@ float lowestBorder(const Volume& volume) {
   return lowest;
 }
 
-void copyInto(std::vector<std::byte>& texelBytes, const AtlasLayout& layout, const glm::ivec3& offset, const Volume& scaled,
-              AtlasBits bits) {
-  const std::size_t bytes = bits == AtlasBits::half ? 2 : 4;
+/// The texel of one sample, of which `scaled` is inVoxels().
+std::uint32_t texelOf(const Volume& volume, const Volume& scaled, std::size_t sample, VkFormat format) {
+  if (format == VK_FORMAT_R16_SFLOAT) return glm::packHalf1x16(scaled.distance[sample]);
+  if (format == VK_FORMAT_R32_SFLOAT) return std::bit_cast<std::uint32_t>(scaled.distance[sample]);
+  return static_cast<std::uint8_t>(static_cast<std::int8_t>(std::lround(volume.distance[sample] / volume.step)));
+}
+
+void copyInto(std::vector<std::byte>& texelBuffer, const glm::ivec3& extent, const glm::ivec3& offset, const Volume& volume,
+              const Volume& scaled, VkFormat format) {
+  static_assert(std::endian::native == std::endian::little, "the low bytes of a texel are copied");
+  const std::size_t bytes = texelBytes(format);
   std::size_t from = 0;
   for (int k = 0; k < scaled.size.z; ++k)
     for (int j = 0; j < scaled.size.y; ++j) {
       const std::size_t row =
-          static_cast<std::size_t>(offset.z + k) * static_cast<std::size_t>(layout.extent.y) + static_cast<std::size_t>(offset.y + j);
-      std::byte* to = texelBytes.data() + (row * static_cast<std::size_t>(layout.extent.x) + static_cast<std::size_t>(offset.x)) * bytes;
+          static_cast<std::size_t>(offset.z + k) * static_cast<std::size_t>(extent.y) + static_cast<std::size_t>(offset.y + j);
+      std::byte* to = texelBuffer.data() + (row * static_cast<std::size_t>(extent.x) + static_cast<std::size_t>(offset.x)) * bytes;
       for (int i = 0; i < scaled.size.x; ++i, ++from, to += bytes) {
-        const std::uint16_t half = glm::packHalf1x16(scaled.distance[from]);
-        std::memcpy(to, bits == AtlasBits::half ? static_cast<const void*>(&half) : &scaled.distance[from], bytes);
+        const std::uint32_t texel = texelOf(volume, scaled, from, format);
+        std::memcpy(to, &texel, bytes);
       }
     }
 }
 
-AtlasLimits limitsOf(const Device& device, AtlasBits bits) {
-  AtlasLimits limits{device.properties.limits.maxImageDimension3D, 0, bits == AtlasBits::half ? 2u : 4u};
+AtlasLimits limitsOf(const Device& device, VkFormat format) {
+  AtlasLimits limits{device.properties.limits.maxImageDimension3D, 0, texelBytes(format)};
   for (std::uint32_t heap = 0; heap < device.memory.memoryHeapCount; ++heap)
     if (device.memory.memoryHeaps[heap].flags & VK_MEMORY_HEAP_DEVICE_LOCAL_BIT)
       limits.maxBytes = std::max<std::uint64_t>(limits.maxBytes, device.memory.memoryHeaps[heap].size);
@@ -119,6 +132,53 @@ bool filtersLinearly(const Device& device, VkFormat format) {
   VkFormatProperties properties{};
   vkGetPhysicalDeviceFormatProperties(device.physical, format, &properties);
   return properties.optimalTilingFeatures & VK_FORMAT_FEATURE_SAMPLED_IMAGE_FILTER_LINEAR_BIT;
+}
+
+Result<GpuImage> uploadAtlas(const Device& device, const glm::ivec3& extent, std::span<const std::byte> texelBuffer, VkFormat format) {
+  ImageSettings settings;
+  settings.extent = {static_cast<std::uint32_t>(extent.x), static_cast<std::uint32_t>(extent.y), static_cast<std::uint32_t>(extent.z)};
+  settings.volume = true;
+  settings.format = format;
+  settings.usage = VK_IMAGE_USAGE_SAMPLED_BIT;
+  Result<GpuImage> image = makeImage(device, settings);
+  if (!image) return image.error();
+  const Result<Done> uploaded = uploadImage(device, image.value(), texelBuffer, kComputeSample);
+  if (uploaded) return image;
+  destroyImage(device, image.value());
+  return uploaded.error();
+}
+
+/// Packs those of the volumes that have 8 bits (`snorm8`), or the others, into one image and notes where.
+Result<GpuImage> makeAtlasImage(const Device& device, std::span<const Volume* const> volumes, bool snorm8, VkFormat format,
+                                std::vector<AtlasEntry>& entries) {
+  if (!filtersLinearly(device, format))
+    return Error{"", "volume atlas", fmt::format("this device does not filter texels of {} bytes", texelBytes(format))};
+  std::vector<std::size_t> members;
+  std::vector<glm::ivec3> sizes;
+  for (std::size_t i = 0; i < volumes.size(); ++i) {
+    if ((volumes[i]->step > 0.0f) != snorm8) continue;
+    members.push_back(i);
+    sizes.push_back(volumes[i]->size);
+  }
+  const Result<AtlasLayout> layout = packAtlas(sizes, limitsOf(device, format));
+  if (!layout) return layout.error();
+  const glm::ivec3 extent = layout.value().extent;
+  std::vector<std::byte> texelBuffer(texels(extent) * texelBytes(format));
+  for (std::size_t n = 0; n < members.size(); ++n) {
+    const Volume& volume = *volumes[members[n]];
+    const Volume scaled = inVoxels(volume, format);
+    const glm::ivec3 offset = layout.value().offsets[n];
+    copyInto(texelBuffer, extent, offset, volume, scaled, format);
+    entries[members[n]] = {offset,
+                           volume.size,
+                           volume.origin,
+                           volume.voxelSize,
+                           std::nextafter(static_cast<float>(lipschitzBound(scaled)), 1e30f),
+                           lowestBorder(scaled),
+                           snorm8,
+                           snorm8 ? 127.0 * double{volume.step} / volume.voxelSize : 1.0};
+  }
+  return uploadAtlas(device, extent, texelBuffer, format);
 }
 
 }  // namespace
@@ -156,43 +216,28 @@ Result<AtlasLayout> packAtlas(std::span<const glm::ivec3> sizes, const AtlasLimi
 }
 
 Result<Atlas> makeAtlas(const Device& device, std::span<const Volume* const> volumes, AtlasBits bits) {
-  const VkFormat format = bits == AtlasBits::half ? VK_FORMAT_R16_SFLOAT : VK_FORMAT_R32_SFLOAT;
-  if (!filtersLinearly(device, format))
-    return Error{"", "volume atlas", fmt::format("this device does not filter {}-bit floats", bits == AtlasBits::half ? 16 : 32)};
-  std::vector<glm::ivec3> sizes;
-  for (const Volume* volume : volumes) sizes.push_back(volume->size);
-  Result<AtlasLayout> packed = packAtlas(sizes, limitsOf(device, bits));
-  if (!packed) return packed.error();
-  const AtlasLayout& layout = packed.value();
-
   Atlas atlas;
-  std::vector<std::byte> bytes(texels(layout.extent) * (bits == AtlasBits::half ? 2 : 4));
-  for (std::size_t i = 0; i < volumes.size(); ++i) {
-    const Volume scaled = inVoxels(*volumes[i], bits);
-    copyInto(bytes, layout, layout.offsets[i], scaled, bits);
-    atlas.entries.push_back({layout.offsets[i], volumes[i]->size, volumes[i]->origin, volumes[i]->voxelSize,
-                             std::nextafter(static_cast<float>(lipschitzBound(scaled)), 1e30f), lowestBorder(scaled)});
+  atlas.entries.resize(volumes.size());
+  const auto failed = [&](const Error& error) {
+    destroyAtlas(device, atlas);
+    return error;
+  };
+  for (const auto& [into, snorm8, format] :
+       {std::tuple(&atlas.image, false, formatOf(bits)), std::tuple(&atlas.snorm8, true, VK_FORMAT_R8_SNORM)}) {
+    Result<GpuImage> image = makeAtlasImage(device, volumes, snorm8, format, atlas.entries);
+    if (!image) return failed(image.error());
+    *into = std::move(image).value();
   }
-  ImageSettings settings;
-  settings.extent = {static_cast<std::uint32_t>(layout.extent.x), static_cast<std::uint32_t>(layout.extent.y),
-                     static_cast<std::uint32_t>(layout.extent.z)};
-  settings.volume = true;
-  settings.format = format;
-  settings.usage = VK_IMAGE_USAGE_SAMPLED_BIT;
-  Result<GpuImage> image = makeImage(device, settings);
-  if (!image) return image.error();
-  atlas.image = std::move(image).value();
   Result<VkSampler> sampler = makeSampler(device, VK_FILTER_LINEAR);
-  if (sampler) atlas.sampler = sampler.value();
-  const Result<Done> uploaded = sampler ? uploadImage(device, atlas.image, bytes, kComputeSample) : Result<Done>(sampler.error());
-  if (uploaded) return atlas;
-  destroyAtlas(device, atlas);
-  return uploaded.error();
+  if (!sampler) return failed(sampler.error());
+  atlas.sampler = sampler.value();
+  return atlas;
 }
 
 void destroyAtlas(const Device& device, Atlas& atlas) {
   if (atlas.sampler) vkDestroySampler(device.device, atlas.sampler, nullptr);
   destroyImage(device, atlas.image);
+  destroyImage(device, atlas.snorm8);
   atlas = {};
 }
 

@@ -1,8 +1,10 @@
-// Atlas: all local volumes in one 3D image (there is no descriptor indexing on lavapipe).
+// Atlas: all local volumes in two 3D images, one of floats and one of 8 bits (there is no descriptor indexing on lavapipe).
 //
-// Values are stored in local voxels (distance / voxelSize): half floats are then best near the surface at any scale. Sampling is clamped
-// between the centres of a volume's first and last samples, where trilinear weights of the next volume are zero, so volumes lie side by
-// side without padding. The extent's sides are powers of two: dividing a texel coordinate by them is exact, so that zero stays zero.
+// Floats are stored in local voxels (distance / voxelSize): half floats are then best near the surface at any scale. Volumes of 8 bits
+// (VolumeBits::snorm8) are stored as they are, R8_SNORM: a stored 1 is 127 steps, and one byte a sample is all they take. Sampling is
+// clamped between the centres of a volume's first and last samples, where trilinear weights of the next volume are zero, so volumes lie
+// side by side without padding. The extent's sides are powers of two: dividing a texel coordinate by them is exact, so that zero stays
+// zero.
 #pragma once
 
 #include <cstdint>
@@ -18,6 +20,7 @@
 
 namespace overcast {
 
+/// Bits of the floats.
 enum class AtlasBits { half, single };
 
 /// What an atlas may take.
@@ -45,16 +48,19 @@ struct AtlasEntry {
   double voxelSize = 0.0;     ///< local units
   float lipschitz = 1.0f;     ///< lipschitzBound() of the values as stored
   float lowestBorder = 0.0f;  ///< smallest stored value on the border of the box in local voxels, or 0 when that is positive
+  bool snorm8 = false;        ///< in the image of 8 bits
+  double unit = 1.0;          ///< local voxels that a stored 1 means
 };
 
 struct Atlas {
-  GpuImage image;                      ///< R16F or R32F, always in the layout of kComputeSample
+  GpuImage image;                      ///< R16F or R32F, always in the layout of kComputeSample; one texel where there is nothing to hold
+  GpuImage snorm8;                     ///< R8_SNORM, the same
   VkSampler sampler = VK_NULL_HANDLE;  ///< trilinear, clamped to the edge
   std::vector<AtlasEntry> entries;     ///< one for each volume, in the order given
 };
 
-/// Packs and uploads; waits. Values beyond the range of half floats are clamped to it. An Error when the device cannot hold
-/// the atlas or does not filter its format.
+/// Packs and uploads; waits. `bits` is for volumes whose step is 0; values beyond the range of half floats are clamped to it. An Error when
+/// the device cannot hold the atlas or does not filter its formats.
 Result<Atlas> makeAtlas(const Device& device, std::span<const Volume* const> volumes, AtlasBits bits = AtlasBits::half);
 void destroyAtlas(const Device& device, Atlas& atlas);
 

@@ -134,7 +134,7 @@ TEST(Choose, EverythingIsMeasuredAndTimedForReports) {
     EXPECT_LE(score.time->least, score.time->median);
     EXPECT_LE(score.time->median, score.time->most);
   }
-  EXPECT_EQ(volumes, 6u);  // 8, 12 and 16, half and single
+  EXPECT_EQ(volumes, 9u);  // 8, 12 and 16, of 8 bits, half and single
 }
 
 TEST(Choose, ShapesFindTheirRepresentation) {

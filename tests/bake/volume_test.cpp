@@ -76,6 +76,21 @@ TEST(BakeVolume, ErrorIsThatOfTheStoredHalves) {
   EXPECT_NEAR(floats.error.rms, halves.error.rms, 0.01 * floats.volume.voxelSize);
 }
 
+TEST(BakeVolume, EightBitsAreWithinHalfAStepAndMeasuredAsSuch) {
+  VolumeSettings settings;
+  settings.bits = VolumeBits::snorm8;
+  const BakedVolume eight = baked(icosphere(1.0, 4), settings);
+  const BakedVolume floats = baked(icosphere(1.0, 4), singles());
+  const double step = eight.volume.step;
+  ASSERT_GT(step, 0.0);
+  for (std::size_t i = 0; i < floats.volume.distance.size(); ++i)
+    ASSERT_NEAR(eight.volume.distance[i], floats.volume.distance[i], 0.5001 * step);
+  // Rounding adds a uniform error of a standard deviation of step / sqrt(12), less what interpolation averages out.
+  EXPECT_GT(eight.error.rms, floats.error.rms);
+  EXPECT_LT(eight.error.rms, std::hypot(floats.error.rms, step / std::sqrt(12.0)));
+  EXPECT_EQ(eight.error.signErrors, 0u);
+}
+
 // What `measure` reports, recomputed from closed forms at other points.
 TEST(BakeVolume, MeasuredErrorAgreesWithTheFormula) {
   const glm::dvec3 half(1.0, 0.7, 0.4);

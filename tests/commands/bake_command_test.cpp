@@ -172,7 +172,7 @@ TEST_F(BakeCommand, QuietSaysNothing) {
 
 TEST_F(BakeCommand, WrongArgumentsAreExitCodeTwo) {
   for (const char* arguments :
-       {"", "ball.off", "-o out", "ball.off -o out --resolution 7", "ball.off -o out --resolution many", "ball.off -o out --bits 8",
+       {"", "ball.off", "-o out", "ball.off -o out --resolution 7", "ball.off -o out --resolution many", "ball.off -o out --bits 9",
         "ball.off -o out --voxel-size 0", "ball.off -o out --voxel-size 1 --resolution 9", "ball.off -o out --wrong",
         "ball.off -o out --name ../up", "inspect", "validate", "explain", "verify out/scene.gltf"}) {
     EXPECT_EQ(bake(arguments).exitCode, 2) << arguments;

@@ -113,6 +113,7 @@ Occluder occluder(Dice& dice) {
     made.contentHash = hash(dice);
   }
   made.bytes = dice.engine();
+  if (made.representation == Representation::volume && dice.chance(0.7)) made.bits = 8 << dice.integer(0, 2);
   made.bounds = dice.box();
   made.influenceRadius = dice.real(0, 3);
   made.lipschitz = dice.real(0.5, 2);

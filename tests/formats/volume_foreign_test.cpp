@@ -146,6 +146,35 @@ TEST_F(ForeignVolume, laterVersionsAndWrongSizesAreErrors) {
   expectError({grid}, "overcast_size");
 }
 
+TEST_F(ForeignVolume, stepsThatDistancesDoNotKeepAreErrors) {
+  const auto with = [](float step) {
+    auto grid = ramp();
+    grid->insertMeta("overcast_step", openvdb::FloatMetadata(step));
+    return grid;
+  };
+  expectError({with(-1.0f)}, "overcast_step");
+  expectError({with(1.0f)}, "overcast_step");  // 432 steps
+  expectError({with(7.0f)}, "overcast_step");
+  const auto read8 = read({with(4.0f)});
+  EXPECT_FALSE(read8) << "1 is no multiple of 4";
+}
+
+TEST_F(ForeignVolume, openVdbReadsOursOfEightBits) {
+  Volume volume;
+  volume.size = {11, 9, 10};
+  volume.voxelSize = 0.5;
+  for (int n = 0; n < 990; ++n) volume.distance.push_back(0.013f * static_cast<float>(n - 300));
+  ASSERT_TRUE(writeVolume(folder / "eight.vdb", volume, VolumeBits::snorm8));
+  openvdb::io::File file((folder / "eight.vdb").string());
+  file.open();
+  const auto grid = openvdb::gridPtrCast<FloatGrid>(file.readGrid("distance"));
+  ASSERT_TRUE(grid);
+  const float step = grid->metaValue<float>("overcast_step");
+  EXPECT_NEAR(step, 0.013f * 689.0f / 127.0f, 0.125f * step);
+  for (int n = 0; n < 990; ++n)
+    EXPECT_NEAR(grid->tree().getValue(Coord(n % 11, n / 11 % 9, n / 99)), volume.distance[static_cast<std::size_t>(n)], 0.5001f * step);
+}
+
 TEST_F(ForeignVolume, openVdbReadsOurs) {
   Volume volume;
   volume.size = {9, 10, 3};

@@ -51,6 +51,7 @@ void expectSame(const Volume& a, const Volume& b) {
   EXPECT_EQ(a.origin, b.origin);
   EXPECT_EQ(a.voxelSize, b.voxelSize);
   EXPECT_EQ(a.signMethod, b.signMethod);
+  EXPECT_EQ(a.step, b.step);
   EXPECT_TRUE(sameBits(a.distance, b.distance));
 }
 
@@ -181,6 +182,7 @@ TEST(VolumeLipschitz, holdsForRandomPairsOnRandomFields) {
     expectLipschitz(noiseVolume(seed, -2.0, -1.0), seed);  // inside everywhere
   }
   expectLipschitz(torusVolume(), 99);
+  expectLipschitz(asStored(torusVolume(), VolumeBits::snorm8), 98);
 }
 
 TEST(VolumeLipschitz, isReachedWhereTheBorderIsInside) {
@@ -215,10 +217,73 @@ TEST(VolumeBits, halfKeepsElevenBitsDownToItsSmallestStep) {
   expectSame(asStored(volume, VolumeBits::single), volume);
 }
 
+/// Every distance a whole multiple of the step, at most half a step off, none out of reach, and the step no larger than 4 bits need.
+void expectQuantised(const Volume& stored, const Volume& volume) {
+  double largest = 0.0;
+  for (const float d : volume.distance) largest = std::max(largest, std::abs(double{d}));
+  const double step = stored.step;
+  ASSERT_GE(127.0 * step, largest);
+  ASSERT_LE(127.0 * step, largest * 1.125 + 127.0 * 0x1p-126);
+  for (std::size_t i = 0; i < volume.distance.size(); ++i) {
+    const double count = stored.distance[i] / step;
+    ASSERT_EQ(count, std::round(count));
+    ASSERT_LE(std::abs(count), 127.0);
+    ASSERT_LE(std::abs(double{stored.distance[i]} - volume.distance[i]), 0.5 * step);
+  }
+}
+
+TEST(VolumeBits, eightAreWholeStepsOfTheLargestDistance) {
+  expectQuantised(asStored(torusVolume(), VolumeBits::snorm8), torusVolume());
+  const Volume ramp = filled({128, 2, 2}, {0, 0, 0}, 1.0, [](const glm::dvec3& p) { return p.x; });
+  expectSame(asStored(asStored(ramp, VolumeBits::snorm8), VolumeBits::single), ramp);  // 0 .. 127 in steps of 1
+  EXPECT_EQ(asStored(ramp, VolumeBits::snorm8).step, 1.0f);
+  const Volume nothing = filled({2, 2, 2}, {0, 0, 0}, 1.0, [](const glm::dvec3&) { return -0.0; });
+  EXPECT_TRUE(isWhole(asStored(nothing, VolumeBits::snorm8)));
+  for (const double scale : {1e-30, 1e-6, 1.0, 1e6, 1e30}) {
+    for (std::uint64_t seed = 0; seed < 20; ++seed) {
+      const Volume noise = noiseVolume(seed, -0.7 * scale, (0.1 + 0.1 * static_cast<double>(seed)) * scale);
+      expectQuantised(asStored(noise, VolumeBits::snorm8), noise);
+    }
+  }
+}
+
+TEST(VolumeBits, eightStayAsTheyAreUnlessAskedOtherwise) {
+  const Volume stored = asStored(torusVolume(), VolumeBits::snorm8);
+  EXPECT_EQ(chooseBits(stored), VolumeBits::snorm8);
+  expectSame(asStored(stored), stored);
+  expectSame(asStored(stored, VolumeBits::snorm8), stored);
+  EXPECT_EQ(asStored(stored, VolumeBits::half).step, 0.0f);
+  EXPECT_TRUE(sameBits(asStored(stored, VolumeBits::half).distance, stored.distance)) << "half floats hold them exactly";
+}
+
+TEST(VolumeBits, aStepThatDistancesDoNotKeepIsNotWhole) {
+  Volume volume = asStored(torusVolume(), VolumeBits::snorm8);
+  EXPECT_TRUE(isWhole(volume));
+  Volume other = volume;
+  other.step *= 0.5f;
+  EXPECT_FALSE(isWhole(other)) << "beyond 127 steps";
+  other = volume;
+  other.distance[7] += 0.25f * volume.step;
+  EXPECT_FALSE(isWhole(other));
+  for (const float step : {-volume.step, std::numeric_limits<float>::quiet_NaN(), std::numeric_limits<float>::infinity()}) {
+    other = volume;
+    other.step = step;
+    EXPECT_FALSE(isWhole(other)) << step;
+  }
+}
+
+TEST(VolumeBits, haveNamesAndCounts) {
+  EXPECT_EQ(std::string(name(VolumeBits::snorm8)), "snorm8");
+  EXPECT_EQ(std::string(name(VolumeBits::single)), "single");
+  EXPECT_EQ(bitCount(VolumeBits::snorm8), 8);
+  EXPECT_EQ(bitCount(VolumeBits::half), 16);
+  EXPECT_EQ(bitCount(VolumeBits::single), 32);
+}
+
 TEST(VolumeFile, comesBackBitForBit) {
   const TemporaryFolder folder;
   const Volume volume = torusVolume();
-  for (const VolumeBits bits : {VolumeBits::automatic, VolumeBits::half, VolumeBits::single}) {
+  for (const VolumeBits bits : {VolumeBits::automatic, VolumeBits::snorm8, VolumeBits::half, VolumeBits::single}) {
     const auto bytes = writeVolume(folder / "torus.vdb", volume, bits);
     ASSERT_TRUE(bytes) << message(bytes.error());
     EXPECT_EQ(bytes.value(), std::filesystem::file_size(folder / "torus.vdb"));
@@ -238,7 +303,9 @@ RC_GTEST_PROP(VolumeFile, comesBackBitForBitWhateverItHolds, ()) {
   volume.signMethod = *rc::gen::arbitrary<std::string>();
   for (std::size_t n = sampleIndex(volume, 0, 0, volume.size.z); n > 0; --n)
     volume.distance.push_back(static_cast<float>(number(volume.voxelSize * 20)));
-  const auto written = writeVolume(folder / "any.vdb", volume, VolumeBits::single);
+  const VolumeBits bits = *rc::gen::element(VolumeBits::snorm8, VolumeBits::single);
+  volume = asStored(std::move(volume), bits);
+  const auto written = writeVolume(folder / "any.vdb", volume, bits);
   RC_ASSERT(written.ok());
   const auto back = readVolume(folder / "any.vdb");
   RC_ASSERT(back.ok());
@@ -246,6 +313,7 @@ RC_GTEST_PROP(VolumeFile, comesBackBitForBitWhateverItHolds, ()) {
   RC_ASSERT(back.value().origin == volume.origin);
   RC_ASSERT(back.value().voxelSize == volume.voxelSize);
   RC_ASSERT(back.value().signMethod == volume.signMethod);
+  RC_ASSERT(back.value().step == volume.step);
   RC_ASSERT(sameBits(back.value().distance, volume.distance));
 }
 
@@ -254,10 +322,12 @@ TEST(VolumeFile, keepsExtremeScalesAndPlaces) {
   for (const double scale : {1e-9, 1e-6, 1.4e-5, 1.0, 1e6, 1e12}) {
     const auto field = [&](const glm::dvec3& p) { return reference::sphereDistance(p / scale - 1e5, 2.0) * scale; };
     const Volume volume = filled({9, 9, 9}, glm::dvec3(1e5 - 4.0) * scale, scale, field);
-    ASSERT_TRUE(writeVolume(folder / "extreme.vdb", volume));
-    const auto back = readVolume(folder / "extreme.vdb");
-    ASSERT_TRUE(back) << scale << ": " << message(back.error());
-    expectSame(back.value(), asStored(volume));
+    for (const VolumeBits bits : {VolumeBits::automatic, VolumeBits::snorm8}) {
+      ASSERT_TRUE(writeVolume(folder / "extreme.vdb", volume, bits));
+      const auto back = readVolume(folder / "extreme.vdb");
+      ASSERT_TRUE(back) << scale << ": " << message(back.error());
+      expectSame(back.value(), asStored(volume, bits));
+    }
   }
 }
 
@@ -285,6 +355,9 @@ TEST(VolumeFile, isNoLargerThanNeedBe) {
   const auto bytes = writeVolume(folder / "torus.vdb", volume);
   ASSERT_TRUE(bytes);
   EXPECT_LT(bytes.value(), volume.distance.size() * 2 * 11 / 10);  // raw half floats and a tenth
+  const auto eight = writeVolume(folder / "torus.vdb", volume, VolumeBits::snorm8);
+  ASSERT_TRUE(eight);
+  EXPECT_LT(eight.value(), volume.distance.size() * 12 / 10);  // a byte and a fifth, of which the tree's own masks are 0.07
 }
 
 TEST(VolumeFile, refusesDistancesThatHalfCannotHold) {

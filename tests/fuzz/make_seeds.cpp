@@ -50,6 +50,7 @@ bool reported(const Result<T>& result) {
 
 bool writeVolumes(const fs::path& folder) {
   return reported(writeVolume(folder / "half.vdb", smallVolume({2, 3, 4}), VolumeBits::half)) &&
+         reported(writeVolume(folder / "snorm8.vdb", smallVolume({3, 9, 2}), VolumeBits::snorm8)) &&
          reported(writeVolume(folder / "single.vdb", smallVolume({9, 2, 2}), VolumeBits::single));
 }
 

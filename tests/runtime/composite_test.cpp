@@ -247,7 +247,9 @@ TEST_F(Composite, WidelyPaddedVolumesHideNothingThatIsNearer) {
 }
 
 TEST_F(Composite, AgreesWithBruteForceInDouble) {
-  for (const AtlasBits storage : {AtlasBits::single, AtlasBits::half}) {
+  for (const auto& [storage, bits8] :
+       {std::pair{AtlasBits::single, false}, std::pair{AtlasBits::half, false}, std::pair{AtlasBits::single, true}}) {
+    for (std::size_t n = 0; n < 4 && bits8; ++n) assets[n] = asStored(std::get<Volume>(assets[n]), VolumeBits::snorm8);
     load(storage);
     std::mt19937 random(5);
     const GlobalGrid grid = cubeGrid(32, 4.0);
@@ -308,6 +310,25 @@ TEST_F(Composite, TheDistanceFarFromAFloorIsTheFloors) {
         if (exact < 0.2) continue;
         ASSERT_NEAR(value, exact, (above ? 0.02 : 0.05) * exact) << at.x << ' ' << at.y << ' ' << at.z;
       }
+}
+
+/// 100 volumes of 32 x 21 x 25 samples: one image takes them all, the other is a single texel.
+TEST_F(Composite, VolumesOfEightBitsTakeHalfTheMemoryOfHalves) {
+  Volume volume = sampled([](const glm::dvec3& p) { return sphereDistance(p, 0.5); }, 32, 1.0);
+  volume.size = {32, 21, 25};
+  volume.distance.resize(32 * 21 * 25);
+  const auto bytes = [](const GpuImage& image) {
+    return std::size_t{image.extent.width} * image.extent.height * image.extent.depth * texelBytes(image.format);
+  };
+  assets.assign(100, volume);
+  load();
+  const std::size_t halves = bytes(store.atlas.image);
+  EXPECT_EQ(bytes(store.atlas.snorm8), 1u);
+  destroyAssetStore(device, store);
+  assets.assign(100, asStored(volume, VolumeBits::snorm8));
+  load();
+  EXPECT_EQ(2 * bytes(store.atlas.snorm8), halves);
+  EXPECT_EQ(bytes(store.atlas.image), 2u);
 }
 
 TEST_F(Composite, NothingIsDispatchedWhenNothingMoves) {

@@ -106,6 +106,7 @@ std::vector<Asset> variedAssets() {
   assets.emplace_back(fieldOf(reference::cuboidRadius({0.9, 0.2, 0.4}), 8));
   assets.emplace_back(bumps({32, 16}, false));
   assets.emplace_back(bumps({16, 16}, true));
+  for (Volume& volume : variedVolumes()) assets.emplace_back(asStored(std::move(volume), VolumeBits::snorm8));
   return assets;
 }
 

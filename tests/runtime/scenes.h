@@ -29,7 +29,7 @@ std::vector<Volume> variedVolumes();
 /// A heightfield of waves, turned and moved, half rough; single sided or a pair.
 HeightField bumps(const glm::ivec2& size, bool pair);
 
-/// These volumes first, then primitives of both shapes, radius fields and heightfields.
+/// These volumes first, then primitives of both shapes, radius fields, heightfields and the volumes again in 8 bits.
 std::vector<Asset> variedAssets();
 
 /// Rotation, translation within `spread` of the origin, scale from 0.2 to 2.5 along each axis: uniform, non-uniform, mirrored, or sheared.

@@ -30,13 +30,14 @@ const uint kKindCuboid = 1u;       ///< parameters: xyz: half extents. Units: gl
 const uint kKindEllipsoid = 2u;    ///< parameters: xyz: half extents, z the smallest. Units: global voxels
 const uint kKindRadius = 3u;       ///< see radius.h
 const uint kKindHeightField = 4u;  ///< parameters: xy: size of a texel; field: see heightfield.h. Units: the longer side of a finest texel
+const uint kKindVolume8 = 5u;      ///< as kKindVolume, in the atlas of 8 bits
 
 /// One object as the GPU sees it. Local coordinates are in the kind's units.
 struct CompositeObject {
   vec4 rowX;        //   0: local coordinate x = dot(rowX.xyz, p) + rowX.w
   vec4 rowY;        //  16
   vec4 rowZ;        //  32
-  vec4 axisScale;   //  48: global voxels per unit: xyz of gaps beyond the box along its axes, w of distances (sigma_min)
+  vec4 axisScale;   //  48: global voxels per unit: xyz of gaps beyond the box along its axes, w of stored distances (sigma_min)
   vec4 boxMin;      //  64: xyz: lowest corner of the box, local; w: lowest distance on its border in global voxels, at most 0
   vec4 boxMax;      //  80: xyz: highest corner; w: lipschitz bound of the distance's lower bound, global voxel per global voxel
   vec4 parameters;  //  96: by kind
@@ -50,9 +51,14 @@ struct CompositeObject {
 
 struct CompositePush {
   ivec4 bricks;     //  0: xyz: bricks along the sides of the volume, w: number of objects
-  vec4 atlasTexel;  // 16: xyz: 1 / extent of the atlas
-  uint everything;  // 32: 1: composite all bricks whatever moved
+  vec4 atlasTexel;  // 16: xyz: 1 / extent of the atlas of floats
+  vec4 texel8;      // 32: xyz: 1 / extent of the atlas of 8 bits
+  uint everything;  // 48: 1: composite all bricks whatever moved
 };
+
+OVERCAST_INLINE bool isVolume(CompositeObject object) {
+  return object.kind == kKindVolume || object.kind == kKindVolume8;
+}
 
 /// Local coordinates of the point p.
 OVERCAST_INLINE vec3 localPoint(CompositeObject object, vec3 p) {

@@ -23,6 +23,7 @@ layout(set = 0, binding = 3, std430) buffer Active {
   uint activeBricks[];
 };
 layout(set = 0, binding = 4) uniform sampler3D atlas;
+layout(set = 0, binding = 8) uniform sampler3D atlas8;
 // 8 for each brick, one for each octant (x lowest): which entries of the list can be the nearest in it.
 layout(set = 0, binding = 6, std430) buffer Masks {
   uvec4 masks[];
@@ -39,10 +40,15 @@ float volumeDistance(CompositeObject object, vec3 local) {
   return textureLod(atlas, (vec3(object.parameters) + local) * vec3(push.atlasTexel), 0.0f).r;
 }
 
+float volume8Distance(CompositeObject object, vec3 local) {
+  return textureLod(atlas8, (vec3(object.parameters) + local) * vec3(push.texel8), 0.0f).r;
+}
+
 // Distance at a point of the object's box, in the kind's units. One line per kind.
 float boxedDistance(CompositeObject object, vec3 local) {
   if (object.kind == kKindRadius) return radiusDistance(OVERCAST_FIELDS_HERE object, local);
   if (object.kind == kKindHeightField) return heightFieldDistance(OVERCAST_FIELDS_HERE object, local);
+  if (object.kind == kKindVolume8) return volume8Distance(object, local);
   return volumeDistance(object, local);
 }
 
@@ -58,7 +64,7 @@ float objectDistance(CompositeObject object, vec3 local) {
   precise float phi = boxedDistance(object, closest) * object.axisScale.w;
   float gap = gapBeyondBox(object, local, closest);
   float slope = 0.0f;
-  if ((object.kind == kKindVolume || object.kind == kKindHeightField) && gap > 0.0f && phi > 0.0f) {
+  if ((isVolume(object) || object.kind == kKindHeightField) && gap > 0.0f && phi > 0.0f) {
     vec3 direction = outwardStep(local, closest);
     precise float inner = boxedDistance(object, closest - direction) * object.axisScale.w;
     slope = slopeAlong(object, direction, inner, phi);

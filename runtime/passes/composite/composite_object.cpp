@@ -132,13 +132,17 @@ shared::CompositeObject compositeObject(const AtlasEntry& entry, const glm::dmat
   PlacedObject placed = placeObject({glm::dvec3(0.0), glm::dvec3(entry.size - 1)}, worldFromVoxel, grid);
   shared::CompositeObject& object = placed.object;
   if (object.present == 0) return object;
-  object.kind = shared::kKindVolume;
+  object.kind = entry.snorm8 ? shared::kKindVolume8 : shared::kKindVolume;
   object.parameters = glm::vec4(glm::vec3(entry.offset) + 0.5f, 0.0f);
   object.boxMin.w = static_cast<float>(placed.sigmaMin * entry.lowestBorder);
   object.boxMax.w = entry.lipschitz;
   // Filter weights may have 8 bits: each axis is off by at most 1/256 of a voxel, so the value by sqrt(3) / 256 times the slope.
   const double filtering = std::sqrt(3.0) / 256.0 * placed.sigmaMin;
   object.slack = static_cast<float>(2.0 * (filtering + placed.rounding) * entry.lipschitz);
+  if (!entry.snorm8) return object;
+  object.axisScale.w = static_cast<float>(placed.sigmaMin * entry.unit);
+  // Devices may filter 8 bits in fixed point: a sixteenth of a step, twice.
+  object.slack += static_cast<float>(2.0 / 16.0 / 127.0 * placed.sigmaMin * entry.unit);
   return object;
 }
 

@@ -9,7 +9,7 @@
 
 namespace overcast {
 
-static_assert(sizeof(shared::CompositePush) == 36 && offsetof(shared::CompositePush, everything) == 32);
+static_assert(sizeof(shared::CompositePush) == 52 && offsetof(shared::CompositePush, everything) == 48);
 
 namespace {
 
@@ -82,7 +82,8 @@ Result<Done> makePipelines(const Device& device, const AssetStore& store, Compos
   const std::vector<Binding> bindings{{0, VK_DESCRIPTOR_TYPE_STORAGE_BUFFER},         {1, VK_DESCRIPTOR_TYPE_STORAGE_BUFFER},
                                       {2, VK_DESCRIPTOR_TYPE_STORAGE_BUFFER},         {3, VK_DESCRIPTOR_TYPE_STORAGE_BUFFER},
                                       {4, VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER}, {5, VK_DESCRIPTOR_TYPE_STORAGE_IMAGE},
-                                      {6, VK_DESCRIPTOR_TYPE_STORAGE_BUFFER},         {7, VK_DESCRIPTOR_TYPE_STORAGE_BUFFER}};
+                                      {6, VK_DESCRIPTOR_TYPE_STORAGE_BUFFER},         {7, VK_DESCRIPTOR_TYPE_STORAGE_BUFFER},
+                                      {8, VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER}};
   Shader composite{"runtime/passes/composite/composite.comp.glsl", {}};
   if (pass.method == CompositeMethod::bruteForce) composite.defines.push_back({"OVERCAST_BRUTE_FORCE", "1"});
   for (const auto& [pipeline, shader] :
@@ -103,6 +104,7 @@ Result<Done> makePipelines(const Device& device, const AssetStore& store, Compos
   writeStorageImage(device, pass.set, 5, pass.volume.mipViews[0]);
   writeBuffer(device, pass.set, 6, pass.masks);
   writeBuffer(device, pass.set, 7, store.fields);
+  writeSampledImage(device, pass.set, 8, store.atlas.snorm8.view, store.atlas.sampler);
   return Done{};
 }
 
@@ -139,8 +141,9 @@ Result<CompositePass> makeCompositePass(const Device& device, const GlobalGrid& 
   pass.grid = grid;
   pass.method = method;
   pass.objectCapacity = objectCapacity;
-  const VkExtent3D extent = store.atlas.image.extent;
-  pass.atlasTexel = 1.0f / glm::vec3(extent.width, extent.height, extent.depth);
+  const auto texelOf = [](const VkExtent3D& extent) { return 1.0f / glm::vec3(extent.width, extent.height, extent.depth); };
+  pass.atlasTexel = texelOf(store.atlas.image.extent);
+  pass.texel8 = texelOf(store.atlas.snorm8.extent);
   Result<Done> made = makeBuffers(device, pass);
   if (made) made = makeVolume(device, pass);
   if (made) made = makePipelines(device, store, pass);
@@ -170,7 +173,7 @@ bool recordComposite(VkCommandBuffer commands, CompositePass& pass, std::span<co
 
   const std::uint32_t brickTotal = brickCount(pass.grid);
   const shared::CompositePush constants{glm::ivec4(bricks(pass.grid), static_cast<int>(marked.size())), glm::vec4(pass.atlasTexel, 0.0f),
-                                        pass.fresh ? 1u : 0u};
+                                        glm::vec4(pass.texel8, 0.0f), pass.fresh ? 1u : 0u};
   if (pass.method == CompositeMethod::culled) {
     bind(commands, pass.cull, pass.set);
     push(commands, pass.cull, constants);

@@ -35,7 +35,8 @@ struct CompositePass {
   GpuBuffer lists;
   GpuBuffer masks;
   GpuBuffer active;
-  glm::vec3 atlasTexel{1.0f};
+  glm::vec3 atlasTexel{1.0f};                     ///< 1 / extent of the atlas of floats
+  glm::vec3 texel8{1.0f};                         ///< and of that of 8 bits
   bool fresh = true;                              ///< nothing composited yet
   std::vector<shared::CompositeObject> previous;  ///< of the last recorded frame
 };
