@@ -1,4 +1,4 @@
-// Choice options: --representation, --max-error and --max-bytes, which several commands take.
+// Choice options: --representation, --max-error, --max-sky-error and --max-bytes, which several commands take.
 #pragma once
 
 #include <cstdint>
@@ -17,6 +17,7 @@ namespace overcast {
 struct ChoiceOptions {
   std::string representation;  ///< empty: not given
   std::optional<double> maxError;
+  std::optional<double> maxSkyError;
   std::optional<std::uint64_t> maxBytes;
 };
 

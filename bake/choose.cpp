@@ -20,6 +20,7 @@ namespace fs = std::filesystem;
 
 constexpr double kCoarseShare = 0.125;
 constexpr double kCoarseLimit = 2.0;  // times the error allowed
+constexpr double kNoNearer = 0.95;    // of the excess of the size before
 constexpr int kTimings = 5;
 constexpr std::size_t kTimedPoints = 2048;
 
@@ -27,32 +28,48 @@ Error failure(std::string reason) {
   return Error{"", "", std::move(reason)};
 }
 
-Result<Asset> volumeOf(const Mesh& mesh, int size, const ChoiceSettings& settings, const Progress& progress) {
+/// What the candidates of one mesh have in common.
+struct Source {
+  const Mesh& mesh;
+  const ChoiceSettings& settings;
+  std::optional<Result<HeightView>> view;  ///< once a heightfield was asked for
+};
+
+Result<Asset> volumeOf(Source& source, const Candidate& candidate, const Progress& progress) {
   VolumeSettings volume;
-  volume.resolution = size;
-  volume.padding = settings.padding;
+  volume.resolution = candidate.size;
+  volume.padding = source.settings.padding;
   volume.bits = VolumeBits::single;
   volume.errorSamples = 0;
-  auto baked = bakeVolume(mesh, volume, progress);
+  auto baked = bakeVolume(source.mesh, volume, progress);
   if (!baked) return baked.error();
   return Asset(std::move(baked).value().volume);
 }
 
-Result<Asset> radiusOf(const Mesh& mesh, int size, const ChoiceSettings&, const Progress& progress) {
-  auto baked = bakeRadius(mesh, {size}, progress);
+Result<Asset> radiusOf(Source& source, const Candidate& candidate, const Progress& progress) {
+  auto baked = bakeRadius(source.mesh, {candidate.size}, progress);
   if (!baked) return baked.error();
   return Asset(std::move(baked).value());
 }
 
-Result<Asset> heightFieldOf(const Mesh& mesh, int size, const ChoiceSettings&, const Progress&) {
-  auto baked = bakeHeightField(mesh, size);
+/// The same heights from behind: turned by half a turn about the first axis.
+HeightView fromBehind(HeightView view) {
+  view.localFromField[1] = -view.localFromField[1];
+  view.localFromField[2] = -view.localFromField[2];
+  return view;
+}
+
+Result<Asset> heightFieldOf(Source& source, const Candidate& candidate, const Progress&) {
+  if (!source.view) source.view.emplace(bestHeightView(source.mesh));
+  const Result<HeightView>& view = *source.view;
+  if (!view) return view.error();
+  auto baked = bakeHeightField(source.mesh, candidate.otherSide ? fromBehind(view.value()) : view.value(), candidate.size);
   if (!baked) return baked.error();
   return Asset(std::move(baked).value());
 }
 
-template <PrimitiveShape shape>
-Result<Asset> primitiveOf(const Mesh& mesh, int, const ChoiceSettings&, const Progress& progress) {
-  auto baked = bakePrimitive(mesh, shape, progress);
+Result<Asset> primitiveOf(Source& source, const Candidate& candidate, const Progress& progress) {
+  auto baked = bakePrimitive(source.mesh, *candidate.shape, progress);
   if (!baked) return baked.error();
   return Asset(baked.value());
 }
@@ -64,14 +81,14 @@ struct Ladder {
   double cost;  ///< compositeCost
   std::vector<int> sizes;
   std::vector<VolumeBits> bits;
-  Result<Asset> (*bake)(const Mesh&, int size, const ChoiceSettings&, const Progress&);
+  Result<Asset> (*bake)(Source&, const Candidate&, const Progress&);
 };
 
 /// The table of candidates: a representation joins by a row.
 const std::vector<Ladder>& ladders() {
   static const std::vector<Ladder> table = {
-      {Representation::primitive, PrimitiveShape::cuboid, 1.8, {0}, {VolumeBits::automatic}, primitiveOf<PrimitiveShape::cuboid>},
-      {Representation::primitive, PrimitiveShape::ellipsoid, 1.8, {0}, {VolumeBits::automatic}, primitiveOf<PrimitiveShape::ellipsoid>},
+      {Representation::primitive, PrimitiveShape::cuboid, 1.8, {0}, {VolumeBits::automatic}, primitiveOf},
+      {Representation::primitive, PrimitiveShape::ellipsoid, 1.8, {0}, {VolumeBits::automatic}, primitiveOf},
       {Representation::radius, {}, 1.1, {8, 16, 32, 64, 128}, {VolumeBits::automatic}, radiusOf},
       {Representation::heightfield, {}, 3.1, {8, 16, 32, 64, 128, 256}, {VolumeBits::automatic}, heightFieldOf},
       {Representation::volume,
@@ -144,7 +161,7 @@ struct Best {
 class Chooser {
  public:
   Chooser(const Mesh& mesh, const ChoiceSettings& settings, const Progress& progress)
-      : mesh_(mesh), settings_(settings), progress_(progress), probes_(drawProbes(mesh, settings.measure)) {
+      : source_{mesh, settings, {}}, settings_(settings), progress_(progress), probes_(drawProbes(mesh, settings.measure)) {
     if (settings.maxError)
       limit_ = *settings.maxError * probes_.diagonal;
     else if (!settings.maxBytes)
@@ -155,33 +172,64 @@ class Chooser {
     if (folder_.path().empty()) return failure("cannot make a temporary folder for candidates");
     for (const Ladder& ladder : ladders()) {
       if (settings_.only && *settings_.only != ladder.representation) continue;
-      if (auto climbed = climb(ladder); !climbed) return climbed.error();
+      if (auto climbed = climb(ladder, false); !climbed) return climbed.error();
+      if (!hasOtherSide(ladder) || meetsLimits(ladder.representation)) continue;
+      if (auto climbed = climb(ladder, true); !climbed) return climbed.error();
     }
     return decide();
   }
 
  private:
   bool limited() const { return std::isfinite(limit_); }
-  bool meetsError(const Score& score) const { return score.error.surfaceRms <= limit_; }
   bool fits(const Score& score) const { return !settings_.maxBytes || score.bytes <= *settings_.maxBytes; }
 
+  double signShare(const Score& score) const {
+    // The points near the surface are as many more as the others, in whichever share of both was measured.
+    const double all = static_cast<double>(probes_.nearEnd) / static_cast<double>(settings_.measure.samples);
+    return static_cast<double>(score.error.signErrors) / (static_cast<double>(score.error.samples) * all);
+  }
+
+  /// Error over error allowed, of what a light sees and of everything; within the limits up to 1.
+  double lightExcess(const Score& score) const {
+    return std::max(score.error.skyRmse / settings_.maxSkyError, signShare(score) / kMaxSignErrors);
+  }
+  double excess(const Score& score) const { return std::max(score.error.surfaceRms / limit_, lightExcess(score)); }
+
+  bool meetsLimits(Representation representation) const {
+    return std::any_of(scores_.begin(), scores_.end(), [&](const Score& score) {
+      return score.candidate.representation == representation && score.error.samples > 0 && fits(score) && excess(score) <= 1.0;
+    });
+  }
+
+  /// Whether the mesh is an open sheet of heights: which side of it is solid is a matter of opinion.
+  bool hasOtherSide(const Ladder& ladder) const {
+    return ladder.representation == Representation::heightfield && !probes_.found.closed && source_.view && source_.view->ok() &&
+           !source_.view->value().pair;
+  }
+
   /// Tries the sizes of one representation, smallest first.
-  Result<Done> climb(const Ladder& ladder) {
+  Result<Done> climb(const Ladder& ladder, bool otherSide) {
+    double last = std::numeric_limits<double>::infinity();
     for (const int size : ladder.sizes) {
       if (size > settings_.largest) break;
       if (progress_ && !progress_(shareDone(ladder, size))) return failure("interrupted");
-      const auto asset = ladder.bake(mesh_, size, settings_, [&](double) { return !progress_ || progress_(shareDone(ladder, size)); });
+      Candidate candidate{ladder.representation, size, VolumeBits::automatic, ladder.shape, otherSide};
+      const auto asset = ladder.bake(source_, candidate, [&](double) { return !progress_ || progress_(shareDone(ladder, size)); });
+      double nearest = std::numeric_limits<double>::infinity();
       bool goOn = false;
       for (const VolumeBits bits : ladder.bits) {
-        Score score{{ladder.representation, size, bits, ladder.shape}, 0, {}, {}, {}};
+        candidate.bits = bits;
+        Score score{candidate, 0, {}, {}, {}};
         if (asset)
-          goOn |= consider(asset.value(), std::move(score));
+          goOn |= consider(asset.value(), std::move(score), nearest);
         else if (asset.error().reason == "interrupted")
           return asset.error();
         else
           refuse(std::move(score), asset.error().reason);
       }
-      if (!goOn && !settings_.everything) break;
+      if (settings_.everything) continue;
+      if (!goOn || (limited() && nearest > kNoNearer * last)) break;
+      last = nearest;
     }
     return Done{};
   }
@@ -195,8 +243,9 @@ class Chooser {
     scores_.push_back(std::move(score));
   }
 
-  /// Stores and measures one candidate; true when a larger one of its kind may be worth a try.
-  bool consider(const Asset& asset, Score score) {
+  /// Stores and measures one candidate; true when a larger one of its kind may be worth a try. `nearest` becomes its excess if that is
+  /// less.
+  bool consider(const Asset& asset, Score score, double& nearest) {
     auto stored = store(asset, folder_.path(), score.candidate.bits);
     if (!stored) {
       refuse(std::move(score), stored.error().reason);
@@ -205,28 +254,32 @@ class Chooser {
     score.bytes = stored.value().bytes;
     const Asset& made = stored.value().asset;
     score.error = measure(made, probes_, settings_.everything || !limited() ? 1.0 : kCoarseShare);
-    if (score.error.samples < settings_.measure.samples && score.error.surfaceRms <= kCoarseLimit * limit_)
-      score.error = measure(made, probes_);
+    if (score.error.samples < settings_.measure.samples && excess(score) <= kCoarseLimit) score.error = measure(made, probes_);
     if (settings_.everything) score.time = timeSamples(made, probes_);
-    const bool small = fits(score), good = meetsError(score);
-    const bool dearer = within_ && score.bytes > scores_[within_->score].bytes;
+    const bool small = fits(score), good = limited() && excess(score) <= 1.0;
+    const bool dearer = within_ && costOf(score) > costOf(scores_[within_->score]);
+    nearest = std::min(nearest, excess(score));
     scores_.push_back(score);
     const std::size_t index = scores_.size() - 1;
-    if (small && good && limited() && (!within_ || precedes(index, within_->score))) within_ = Best{index, made};
-    if (small && (!closest_ || score.error.surfaceRms < scores_[closest_->score].error.surfaceRms)) closest_ = Best{index, made};
-    return small && (!limited() || (!good && !dearer));
+    if (small && good && (!within_ || costOf(score) < costOf(scores_[within_->score]))) within_ = Best{index, made};
+    if (small && (!closest_ || moreAccurate(score, scores_[closest_->score]))) closest_ = Best{index, made};
+    return small && !good && !dearer;
   }
 
-  /// Whether score a is the cheaper of two that meet the error.
-  bool precedes(std::size_t a, std::size_t b) const {
-    const Score &first = scores_[a], &second = scores_[b];
-    if (first.bytes != second.bytes) return first.bytes < second.bytes;
-    return compositeCost(first.candidate.representation) < compositeCost(second.candidate.representation);
+  /// Whether the first is to be kept where none, or nothing but bytes, is within the limits.
+  bool moreAccurate(const Score& first, const Score& second) const {
+    const bool one = lightExcess(first) <= 1.0, other = lightExcess(second) <= 1.0;
+    return one != other ? one : first.error.surfaceRms < second.error.surfaceRms;
   }
 
   std::string verdict(const Score& score, const Score& winner) const {
     if (!fits(score)) return fmt::format("{} bytes are more than {}", score.bytes, *settings_.maxBytes);
-    if (limited() && !meetsError(score)) return fmt::format("{:.3g} times the error", score.error.surfaceRms / limit_);
+    if (limited() && excess(score) > 1.0) {
+      if (score.error.surfaceRms > limit_) return fmt::format("{:.3g} times the error", score.error.surfaceRms / limit_);
+      if (score.error.skyRmse > settings_.maxSkyError)
+        return fmt::format("{:.3g} times the error of the sky", score.error.skyRmse / settings_.maxSkyError);
+      return fmt::format("{:.3g} % of the points on the wrong side", 100.0 * signShare(score));
+    }
     if (!within_) return "another is more accurate";
     return score.bytes > winner.bytes ? "meets the error, but another is smaller" : "meets the error, but another is cheaper to composite";
   }
@@ -255,7 +308,7 @@ class Chooser {
     return choice;
   }
 
-  const Mesh& mesh_;
+  Source source_;
   const ChoiceSettings& settings_;
   const Progress& progress_;
   const Probes probes_;
@@ -273,7 +326,12 @@ std::string name(const Candidate& candidate) {
   if (candidate.shape) text += fmt::format(" {}", name(*candidate.shape));
   if (candidate.size > 0) text += fmt::format(" {}", candidate.size);
   if (candidate.bits != VolumeBits::automatic) text += fmt::format(" {}", name(candidate.bits));
+  if (candidate.otherSide) text += " from behind";
   return text;
+}
+
+double costOf(const Score& score) {
+  return static_cast<double>(score.bytes) * compositeCost(score.candidate.representation);
 }
 
 double compositeCost(Representation representation) {

@@ -10,6 +10,7 @@
 #include <glm/geometric.hpp>
 
 #include "bake/distance.h"
+#include "bake/edges.h"
 #include "bake/prepare.h"
 #include "bake/random.h"
 #include "bake/sign.h"
@@ -21,6 +22,7 @@ namespace {
 constexpr double kSigma = 0.02;  // all lengths here are shares of the diagonal
 constexpr double kReach = 5.0 * kSigma;
 constexpr double kClearlyOff = 0.01;
+constexpr double kBehind = 0.02;  // winding number
 constexpr double kFirstTap = 1.0 / 64.0;
 constexpr double kReceiverSphere = 0.6;
 constexpr double kGroundMargin = 0.5;
@@ -137,22 +139,51 @@ Selection select(const Probes& probes, double share) {
   return {part(samples), samples, samples + part(probes.nearEnd - samples), part(probes.receivers.size())};
 }
 
-/// The exact distance at every point, in the sign of `sampled` where there is no other.
-std::vector<double> truthFor(const Probes& probes, std::span<const double> sampled) {
-  std::vector<double> truth = probes.exact;
-  for (std::size_t i = 0; i < truth.size(); ++i)
-    if (probes.undecided[i]) truth[i] = std::copysign(truth[i], sampled[i]);
+bool decides(double winding) {
+  return std::abs(winding) <= 0.2 || std::abs(winding) >= 0.8;
+}
+
+/// What phi should have been at a point, given what it is.
+struct Truth {
+  double distance = 0.0;
+  bool free = false;   ///< any smaller |phi| would have done
+  bool known = false;  ///< the sign is
+};
+
+/// Which side of an open mesh `sampled` takes for solid: that of positive (1) or of negative (-1) winding numbers.
+double solidSide(const Probes& probes, std::span<const double> sampled) {
+  double sum = 0.0;
+  for (std::size_t i = static_cast<std::size_t>(probes.settings.samples); i < probes.nearEnd; ++i)
+    if (sampled[i] < 0.0) sum += probes.winding[i];
+  return sum < 0.0 ? -1.0 : 1.0;
+}
+
+Truth truthAt(const Probes& probes, std::size_t i, double sampled, double side) {
+  const double w = probes.winding[i], exact = probes.exact[i];
+  const bool known = probes.found.closed || decides(w);
+  const bool inside = known ? std::abs(w) > 0.5 : sampled < 0.0;
+  const bool free = !probes.found.closed && (probes.atRim[i] || side * w > kBehind) && !(known && inside && sampled >= 0.0);
+  return {free ? std::clamp(sampled, -exact, exact) : inside ? -exact : exact, free, known && !free};
+}
+
+std::vector<Truth> truthFor(const Probes& probes, std::span<const double> sampled) {
+  const double side = solidSide(probes, sampled);
+  std::vector<Truth> truth;
+  truth.reserve(sampled.size());
+  for (std::size_t i = 0; i < sampled.size(); ++i) truth.push_back(truthAt(probes, i, sampled[i], side));
   return truth;
 }
 
-double skyError(const Probes& probes, std::size_t receivers, std::span<const double> sampled, std::span<const double> exact) {
+double skyError(const Probes& probes, std::size_t receivers, std::span<const double> sampled, std::span<const Truth> truth) {
   const Sky sky = skyAround(probes.diagonal);
   const auto taps = static_cast<std::size_t>(sky.estimator.taps);
+  std::vector<double> exact(taps);
   double squares = 0.0;
   for (std::size_t r = 0; r < receivers; ++r) {
     const std::size_t first = probes.nearEnd + r * taps;
+    for (std::size_t i = 0; i < taps; ++i) exact[i] = truth[first + i].distance;
     const double difference =
-        sky.visibility(probes.receivers[r], sampled.subspan(first, taps)) - sky.visibility(probes.receivers[r], exact.subspan(first, taps));
+        sky.visibility(probes.receivers[r], sampled.subspan(first, taps)) - sky.visibility(probes.receivers[r], exact);
     squares += difference * difference;
   }
   return receivers == 0 ? 0.0 : std::sqrt(squares / static_cast<double>(receivers));
@@ -171,6 +202,18 @@ std::vector<double> sampleAt(const DistanceFunction& distance, const Probes& pro
   fill(selection.nearBegin, selection.nearEnd);
   fill(probes.nearEnd, probes.nearEnd + selection.receivers * taps);
   return sampled;
+}
+
+/// Where no place of the mesh is nearer than its boundary edges.
+std::vector<std::uint8_t> nearestAtRim(const Mesh& mesh, const Probes& probes) {
+  constexpr double kSame = 1e-9;
+  Mesh rim;
+  rim.positions = mesh.positions;
+  for (const DirectedEdge& edge : netBoundary(mesh.triangles)) rim.triangles.emplace_back(edge.from, edge.to, edge.to);
+  const std::vector<double> distance = distanceAt(rim, probes.points);
+  std::vector<std::uint8_t> atRim;
+  for (std::size_t i = 0; i < distance.size(); ++i) atRim.push_back(distance[i] <= probes.exact[i] + kSame * probes.diagonal);
+  return atRim;
 }
 
 }  // namespace
@@ -201,14 +244,10 @@ Probes drawProbes(const Mesh& mesh, const MeasureSettings& settings) {
   grid.voxelSize = std::max({size.x, size.y, size.z}) / kCells;
   grid.origin = glm::dvec3(-0.5 * kCells * grid.voxelSize);
   probes.exact = distanceAt(centred, probes.points);
-  const std::vector<double> winding = windingAt(centred, grid, probes.points);
-  for (std::size_t i = 0; i < winding.size(); ++i) {
-    const double w = std::abs(winding[i]);
-    if (w > 0.5) probes.exact[i] = -probes.exact[i];
-    probes.undecided.push_back(w > 0.2 && w < 0.8);
-  }
-  const auto nearPoints = std::span(probes.undecided).subspan(settings.samples, near.size());
-  const auto ambiguous = std::count(nearPoints.begin(), nearPoints.end(), std::uint8_t{1});
+  probes.winding = windingAt(centred, grid, probes.points);
+  if (!probes.found.closed) probes.atRim = nearestAtRim(centred, probes);
+  const auto nearPoints = std::span(probes.winding).subspan(settings.samples, near.size());
+  const auto ambiguous = std::count_if(nearPoints.begin(), nearPoints.end(), [](double w) { return !decides(w); });
   if (!near.empty()) probes.ambiguousSign = static_cast<double>(ambiguous) / static_cast<double>(near.size());
   for (glm::dvec3& point : probes.points) point += prepared.middle;
   for (Receiver& receiver : probes.receivers) receiver.point += prepared.middle;
@@ -218,15 +257,16 @@ Probes drawProbes(const Mesh& mesh, const MeasureSettings& settings) {
 MeasuredError measure(const DistanceFunction& distance, const Probes& probes, double share) {
   const Selection selection = select(probes, share);
   const std::vector<double> sampled = sampleAt(distance, probes, selection);
-  const std::vector<double> exact = truthFor(probes, sampled);
+  const std::vector<Truth> truth = truthFor(probes, sampled);
   MeasuredError error;
   error.samples = selection.influence;
   error.seed = probes.settings.seed;
   error.method = kMeasureMethod;
   const auto look = [&](std::size_t i) {
-    const double difference = std::abs(sampled[i] - exact[i]);
+    const double difference = std::abs(sampled[i] - truth[i].distance);
     error.max = std::max(error.max, difference);
-    error.signErrors += std::abs(exact[i]) > kClearlyOff * probes.diagonal && (sampled[i] < 0.0) != (exact[i] < 0.0);
+    error.signErrors +=
+        truth[i].known && probes.exact[i] > kClearlyOff * probes.diagonal && (sampled[i] < 0.0) != (truth[i].distance < 0.0);
     return difference;
   };
   std::vector<double> differences;
@@ -242,12 +282,12 @@ MeasuredError measure(const DistanceFunction& distance, const Probes& probes, do
 
   double weighted = 0.0, weights = 0.0;
   for (std::size_t i = selection.nearBegin; i < selection.nearEnd; ++i) {
-    const double difference = look(i), weight = weightNear(exact[i], probes.diagonal);
+    const double difference = look(i), weight = weightNear(probes.exact[i], probes.diagonal);
     weighted += weight * difference * difference;
-    weights += weight;
+    if (!truth[i].free || difference > 0.0) weights += weight;
   }
   error.surfaceRms = weights > 0.0 ? std::sqrt(weighted / weights) : error.rms;
-  error.skyRmse = skyError(probes, selection.receivers, sampled, exact);
+  error.skyRmse = skyError(probes, selection.receivers, sampled, truth);
   return error;
 }
 

@@ -1,7 +1,7 @@
 // Measure: the error that an asset makes against the exact distance to its source mesh, and what a light sees of it. The same points for
 // every representation and size of a mesh, so that their figures compare.
 //
-// With D the diagonal of the mesh's box, method "influence-1" takes for `samples` points of a seed:
+// With D the diagonal of the mesh's box, method "influence-2" takes for `samples` points of a seed:
 //  * evenly random points of the box grown by D on every side, the influence radius: `rms` and `p99` of |phi - exact|.
 //  * evenly random points of the box grown by 5 sigma and no further than 5 sigma from the surface, sigma = 0.02 D, weighted by
 //    w = exp(-|exact| / sigma): surfaceRms = sqrt(sum w (phi - exact)^2 / sum w). Drawn until (sum w)^2 / sum w^2 reaches an eighth of
@@ -13,7 +13,12 @@
 //    scene (formats/lighting.h), the first tap at D / 64 (a voxel of 128 along two diagonals), phi not blurred and joined with the
 //    receiver's own plane.
 // Where the winding number decides nothing (0.2 < |w| < 0.8: about an open sheet) the sign is a matter of opinion: there phi is compared
-// with the exact distance in the sign that phi has, and no sign is an error.
+// with the exact distance in the sign that phi has, and no sign is an error. So is where a solid behind an open sheet would end, which is
+// what sets "influence-2" apart from its predecessor: a terrain may be a block as well as a sheet in the air, and a light sees either only
+// from places where nothing is known. Of a mesh that is not closed, points behind it (w > 0.02 on the side that phi takes for solid, which
+// is the sign of the sum of w over the points near the surface where phi < 0) and points whose nearest place is on a boundary edge have an
+// error only where |phi| exceeds the exact distance, which no surface that holds the mesh can do, or where phi is outside although |w| >=
+// 0.8; they count for surfaceRms only with such an error, and so do the taps of receivers there.
 #pragma once
 
 #include <cstdint>
@@ -29,7 +34,7 @@
 
 namespace overcast {
 
-inline constexpr const char* kMeasureMethod = "influence-1";
+inline constexpr const char* kMeasureMethod = "influence-2";
 
 struct MeasureSettings {
   std::uint64_t samples = 4096;
@@ -42,17 +47,18 @@ struct Receiver {
   glm::dvec3 normal{0.0, 1.0, 0.0};
 };
 
-/// The points for one mesh, in its local space, with the exact signed distance at each: distanceAt, inside where windingAt exceeds a half.
+/// The points for one mesh, in its local space, with the exact distance (distanceAt) and the winding number (windingAt) at each.
 struct Probes {
   MeasureSettings settings;
   MeshDiagnosis found;
-  double ambiguousSign = 0.0;           ///< share of the points near the surface with 0.2 < |w| < 0.8: inside is a matter of opinion
-  double diagonal = 0.0;                ///< of the mesh's box
-  std::vector<glm::dvec3> points;       ///< `samples` of the influence region, then those near the surface, then the taps of each receiver
-  std::vector<double> exact;            ///< at each of the points
-  std::vector<std::uint8_t> undecided;  ///< 1 where the winding number decides nothing
-  std::size_t nearEnd = 0;              ///< index behind the last point near the surface
-  std::vector<Receiver> receivers;      ///< every second one on the ground
+  double ambiguousSign = 0.0;       ///< share of the points near the surface with 0.2 < |w| < 0.8: inside is a matter of opinion
+  double diagonal = 0.0;            ///< of the mesh's box
+  std::vector<glm::dvec3> points;   ///< `samples` of the influence region, then those near the surface, then the taps of each receiver
+  std::vector<double> exact;        ///< at each of the points, not negative
+  std::vector<double> winding;      ///< likewise; inside where it exceeds a half either way
+  std::vector<std::uint8_t> atRim;  ///< 1 where the nearest place of the mesh is on a boundary edge; empty when it is closed
+  std::size_t nearEnd = 0;          ///< index behind the last point near the surface
+  std::vector<Receiver> receivers;  ///< every second one on the ground
 };
 
 /// Draws the points and takes the exact distances. Costs two trees over the mesh and a query per point; the mesh has a triangle and an

@@ -35,9 +35,10 @@ std::string bakeHash(const Mesh& mesh, const BakeSettings& bakeSettings) {
                   static_cast<int>(settings.bits), settings.errorSamples, settings.seed);
   if (bakeSettings.choice) {
     const ChoiceSettings& choice = *bakeSettings.choice;
-    text += fmt::format(" choice {} {:x} {} {} {:x} {} {}", choice.only ? name(*choice.only) : "any",
-                        std::bit_cast<std::uint64_t>(choice.maxError.value_or(-1.0)), choice.maxBytes.value_or(0), choice.largest,
-                        std::bit_cast<std::uint64_t>(choice.padding), choice.measure.samples, choice.measure.seed);
+    text += fmt::format(" choice {} {:x} {:x} {} {} {:x} {} {}", choice.only ? name(*choice.only) : "any",
+                        std::bit_cast<std::uint64_t>(choice.maxError.value_or(-1.0)), std::bit_cast<std::uint64_t>(choice.maxSkyError),
+                        choice.maxBytes.value_or(0), choice.largest, std::bit_cast<std::uint64_t>(choice.padding), choice.measure.samples,
+                        choice.measure.seed);
   }
   return contentHash(std::as_bytes(std::span(text)));
 }
