@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <chrono>
-#include <cmath>
 #include <map>
 #include <optional>
 
@@ -34,13 +33,6 @@ struct Options {
   bool keepGoing = false;
 };
 
-/// Why `text` is not a positive number; empty when it is one.
-std::string positiveNumber(const std::string& text) {
-  double number = 0.0;
-  if (CLI::detail::lexical_cast(text, number) && std::isfinite(number) && number > 0.0) return "";
-  return fmt::format("'{}' is not a positive number", text);
-}
-
 void addOptions(CLI::App& app, Options& options) {
   static const std::map<std::string, VolumeBits> bits = {
       {"auto", VolumeBits::automatic}, {"8", VolumeBits::snorm8}, {"16", VolumeBits::half}, {"32", VolumeBits::single}};
@@ -50,13 +42,14 @@ void addOptions(CLI::App& app, Options& options) {
       ->required()
       ->check([](const std::string& text) { return std::string(text.empty() ? "names no folder" : ""); });
   app.add_option("--name", options.name, "file name of the scene without .gltf [a single glTF keeps its name, else \"scene\"]");
-  auto* resolution = app.add_option("--resolution", settings.resolution, "samples along the longest side of each volume")
-                         ->check(CLI::Range(kMinResolution, kMaxResolution))
-                         ->capture_default_str();
+  auto* resolution =
+      app.add_option("--resolution", settings.resolution, "volumes with so many samples along the longest side, instead of a choice")
+          ->check(CLI::Range(kMinResolution, kMaxResolution))
+          ->capture_default_str();
   app.add_option("--voxel-size", settings.voxelSize, "spacing of samples in units of the mesh, instead of --resolution")
       ->check(positiveNumber)
       ->excludes(resolution);
-  app.add_option("--padding", settings.padding, "voxels around each mesh")->check(CLI::Range(0.0, 255.0))->capture_default_str();
+  app.add_option("--padding", settings.padding, "voxels around each mesh")->check(numberWithin(0.0, 255.0))->capture_default_str();
   app.add_option("--bits", settings.bits, "precision of the distances: 8 (signed normalised), 16, 32 or auto (16 unless they do not fit)")
       ->transform(CLI::CheckedTransformer(bits))
       ->default_str("auto");
@@ -73,15 +66,16 @@ void addOptions(CLI::App& app, Options& options) {
   app.add_flag("--quiet", options.quiet, "print nothing on stderr but errors");
 }
 
-/// A size given by hand asks for a volume of that size, everything else about the choice for a choice.
+/// A size given by hand asks for a volume of that size, everything else for a choice.
 Result<Done> settleChoice(const CLI::App& app, Options& options) {
   const bool sized = app.count("--resolution") + app.count("--voxel-size") + app.count("--bits") > 0;
   const bool wanted = wantsChoice(options.choice);
   if (sized && wanted && (options.choice.representation != "volume" || options.choice.maxError || options.choice.maxBytes))
     return Error{"", "", "--resolution, --voxel-size and --bits ask for a volume of that size: there is nothing to choose (see --help)"};
-  if (sized || !wanted) return Done{};
+  if (sized) return Done{};
   const VolumeSettings& volume = options.settings.volume;
-  if (volume.errorSamples == 0) return Error{"", "", "choosing needs a measured error: --error-samples must be above 0 (see --help)"};
+  if (volume.errorSamples == 0)
+    return Error{"", "", "choosing needs a measured error: --error-samples must be above 0, or --resolution given (see --help)"};
   options.settings.choice = choiceSettings(options.choice, {volume.errorSamples, volume.seed});
   options.settings.choice->padding = volume.padding;
   return Done{};

@@ -1,5 +1,6 @@
 #include "bake/command.h"
 
+#include <cmath>
 #include <csignal>
 
 #include <CLI/CLI.hpp>
@@ -35,6 +36,20 @@ int parseArguments(CLI::App& app, const std::vector<std::string>& arguments) {
     return kUsage;
   }
   return -1;
+}
+
+std::string positiveNumber(const std::string& text) {
+  double number = 0.0;
+  if (CLI::detail::lexical_cast(text, number) && std::isfinite(number) && number > 0.0) return "";
+  return fmt::format("'{}' is not a positive number", text);
+}
+
+std::function<std::string(const std::string&)> numberWithin(double least, double most) {
+  return [=](const std::string& text) -> std::string {
+    double number = 0.0;
+    if (CLI::detail::lexical_cast(text, number) && number >= least && number <= most) return "";
+    return fmt::format("'{}' is not a number from {} to {}", text, least, most);
+  };
 }
 
 void complain(const Error& error) {

@@ -1,6 +1,7 @@
 // Commands of overcast-bake: what each takes, and the exit codes they share.
 #pragma once
 
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -37,6 +38,11 @@ struct Command {
 /// Parses `arguments`; when something else than running the command is to be done (help asked for, a mistake), does it and returns the
 /// exit code, else -1.
 int parseArguments(CLI::App& app, const std::vector<std::string>& arguments);
+
+/// Checks of options, as CLI11 wants them: why `text` is not a positive (and finite) number, or not one within [least, most]; empty when it
+/// is. CLI11's own let "nan" pass.
+std::string positiveNumber(const std::string& text);
+std::function<std::string(const std::string&)> numberWithin(double least, double most);
 
 /// "overcast-bake: <message>" on stderr.
 void complain(const Error& error);

@@ -51,12 +51,18 @@ double weightNear(double exact, double diagonal) {
   return std::exp(-std::abs(exact) / (kSigma * diagonal));
 }
 
+/// Points with their distances.
+struct Measured {
+  std::vector<glm::dvec3> points;
+  std::vector<double> distance;
+};
+
 /// Points near the surface of a mesh about the origin. How many are drawn follows from the first batch: slender meshes fill less of their
 /// box.
-std::vector<glm::dvec3> drawNear(const Mesh& mesh, const Box& box, const MeasureSettings& settings) {
+Measured drawNear(const Mesh& mesh, const Box& box, const MeasureSettings& settings) {
   const double reach = diagonal(box);
   const Box region = grown(box, kReach * reach);
-  std::vector<glm::dvec3> kept;
+  Measured kept;
   double sum = 0.0, squares = 0.0;
   const auto drawBatches = [&](std::uint64_t from, std::uint64_t to) {
     std::vector<glm::dvec3> points;
@@ -65,7 +71,8 @@ std::vector<glm::dvec3> drawNear(const Mesh& mesh, const Box& box, const Measure
     const std::vector<double> distance = distanceAt(mesh, points);
     for (std::size_t i = 0; i < points.size(); ++i) {
       if (distance[i] > kReach * reach) continue;
-      kept.push_back(points[i]);
+      kept.points.push_back(points[i]);
+      kept.distance.push_back(distance[i]);
       const double weight = weightNear(distance[i], reach);
       sum += weight;
       squares += weight * weight;
@@ -229,13 +236,16 @@ Probes drawProbes(const Mesh& mesh, const MeasureSettings& settings) {
   probes.diagonal = diagonal(box);
   const Box influence = grown(box, probes.diagonal);
   for (std::uint64_t i = 0; i < settings.samples; ++i) probes.points.push_back(pointOf(influence, settings, Sequence::influence, i));
-  const std::vector<glm::dvec3> near = drawNear(centred, box, settings);
-  probes.points.insert(probes.points.end(), near.begin(), near.end());
-  probes.nearEnd = probes.points.size();
   probes.receivers = drawReceivers(box, settings);
   const Sky sky = skyAround(probes.diagonal);
   for (const Receiver& receiver : probes.receivers)
     for (int i = 0; i < sky.estimator.taps; ++i) probes.points.push_back(sky.tap(receiver, i));
+  probes.exact = distanceAt(centred, probes.points);
+  const Measured near = drawNear(centred, box, settings);
+  const auto behindFirst = static_cast<std::ptrdiff_t>(settings.samples);
+  probes.points.insert(probes.points.begin() + behindFirst, near.points.begin(), near.points.end());
+  probes.exact.insert(probes.exact.begin() + behindFirst, near.distance.begin(), near.distance.end());
+  probes.nearEnd = settings.samples + near.points.size();
 
   constexpr int kCells = 64;
   const glm::dvec3 size = extent(influence);
@@ -243,12 +253,11 @@ Probes drawProbes(const Mesh& mesh, const MeasureSettings& settings) {
   grid.size = glm::ivec3(kCells + 1);
   grid.voxelSize = std::max({size.x, size.y, size.z}) / kCells;
   grid.origin = glm::dvec3(-0.5 * kCells * grid.voxelSize);
-  probes.exact = distanceAt(centred, probes.points);
   probes.winding = windingAt(centred, grid, probes.points);
   if (!probes.found.closed) probes.atRim = nearestAtRim(centred, probes);
-  const auto nearPoints = std::span(probes.winding).subspan(settings.samples, near.size());
+  const auto nearPoints = std::span(probes.winding).subspan(settings.samples, near.points.size());
   const auto ambiguous = std::count_if(nearPoints.begin(), nearPoints.end(), [](double w) { return !decides(w); });
-  if (!near.empty()) probes.ambiguousSign = static_cast<double>(ambiguous) / static_cast<double>(near.size());
+  if (!near.points.empty()) probes.ambiguousSign = static_cast<double>(ambiguous) / static_cast<double>(near.points.size());
   for (glm::dvec3& point : probes.points) point += prepared.middle;
   for (Receiver& receiver : probes.receivers) receiver.point += prepared.middle;
   return probes;

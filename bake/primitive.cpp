@@ -24,6 +24,7 @@ namespace {
 constexpr std::size_t kSamples = 2048;  ///< every second on the surface, the others around it
 constexpr double kReach = 0.05;         ///< how far around, diagonals
 constexpr int kUnknowns = 9;            ///< centre, rotation vector, logarithms of the half extents
+constexpr std::size_t kScoutShare = 8;  ///< one in so many samples decides which start goes on, and takes that one most of the way
 constexpr int kScoutSteps = 12;         ///< steps from each start; the best goes on
 constexpr int kMostSteps = 80;
 
@@ -96,6 +97,17 @@ Samples takeSamples(const Mesh& mesh) {
   return samples;
 }
 
+/// Every kScoutShare-th pair of a sample on the surface and one around it.
+Samples fewOf(const Samples& samples) {
+  Samples few;
+  for (std::size_t i = 0; i < samples.points.size(); ++i) {
+    if (i / 2 % kScoutShare != 0) continue;
+    few.points.push_back(samples.points[i]);
+    few.distance.push_back(samples.distance[i]);
+  }
+  return few;
+}
+
 /// Principal axes of the surface's covariance.
 glm::dmat3 inertiaAxes(const Mesh& mesh) {
   double total = 0.0;
@@ -142,7 +154,7 @@ Primitive moved(const Primitive& from, const Step& step) {
 
 double costOf(const Primitive& primitive, const Samples& samples) {
   double sum = 0.0;
-  for (std::size_t i = 0; i < kSamples; ++i) {
+  for (std::size_t i = 0; i < samples.points.size(); ++i) {
     const double difference = samplePrimitive(primitive, samples.points[i]) - samples.distance[i];
     sum += difference * difference;
   }
@@ -158,7 +170,7 @@ void linearise(const Primitive& primitive, const Samples& samples, Normal& matri
       neighbours[static_cast<std::size_t>(2 * k + side)] = moved(primitive, (side == 0 ? kDifference : -kDifference) * Step::Unit(k));
   matrix.setZero();
   gradient.setZero();
-  for (std::size_t i = 0; i < kSamples; ++i) {
+  for (std::size_t i = 0; i < samples.points.size(); ++i) {
     Step slope;
     for (int k = 0; k < kUnknowns; ++k) {
       const auto first = static_cast<std::size_t>(2 * k);
@@ -172,9 +184,9 @@ void linearise(const Primitive& primitive, const Samples& samples, Normal& matri
 
 /// Levenberg and Marquardt's method: at most `steps`, fewer when nothing is left to gain.
 Fit refine(Fit fit, const Samples& samples, int steps) {
-  constexpr double kRounding = 1e-28 * kSamples;
+  const double rounding = 1e-28 * static_cast<double>(samples.points.size());
   double damping = 1e-3;
-  for (int step = 0; step < steps && fit.cost > kRounding && damping < 1e9; ++step) {
+  for (int step = 0; step < steps && fit.cost > rounding && damping < 1e9; ++step) {
     Normal matrix;
     Step gradient;
     linearise(fit.primitive, samples, matrix, gradient);
@@ -187,7 +199,7 @@ Fit refine(Fit fit, const Samples& samples, int steps) {
       const double cost = costOf(trial, samples);
       better = cost < fit.cost;
       damping *= better ? 0.1 : 10.0;
-      const bool settled = better && cost > fit.cost * (1.0 - 1e-9);
+      const bool settled = better && cost > fit.cost * (1.0 - 1e-6);
       if (better) fit = {trial, cost};
       if (settled) return fit;
     }
@@ -209,17 +221,18 @@ Result<Primitive> bakePrimitive(const Mesh& mesh, PrimitiveShape shape, const Pr
                                       [&](double sum, const glm::uvec3& t) { return sum + areaOf(prepared, t); });
   if (!(area > 0.0)) return failure("no triangle has an area");
 
-  const Samples samples = takeSamples(prepared);
+  const Samples samples = takeSamples(prepared), few = fewOf(samples);
   std::vector<glm::dmat3> starts{inertiaAxes(prepared), glm::dmat3(1.0)};
   if (const std::optional<glm::dmat3> axes = orientedBoxAxes(prepared.positions)) starts.insert(starts.begin(), *axes);
   Fit best;
   for (std::size_t i = 0; i < starts.size(); ++i) {
     if (progress && !progress(0.2 + 0.2 * static_cast<double>(i))) return failure("interrupted");
     const Primitive start = around(prepared, starts[i], shape);
-    const Fit fit = refine({start, costOf(start, samples)}, samples, kScoutSteps);
+    const Fit fit = refine({start, costOf(start, few)}, few, kScoutSteps);
     if (i == 0 || fit.cost < best.cost) best = fit;
   }
-  best = refine(best, samples, kMostSteps);
+  best = refine(best, few, kMostSteps);
+  best = refine({best.primitive, costOf(best.primitive, samples)}, samples, kMostSteps);
   if (progress && !progress(1.0)) return failure("interrupted");
 
   Primitive primitive = best.primitive;

@@ -93,7 +93,7 @@ RC_GTEST_PROP(Canonical, AnySoupBakesAndMeasuresTheSame, ()) {
   const auto truth = drawProbes(mesh, few), again = drawProbes(other, few);
   RC_ASSERT(truth.points == again.points);
   RC_ASSERT(truth.exact == again.exact);
-  RC_ASSERT(truth.undecided == again.undecided);
+  RC_ASSERT(truth.winding == again.winding);
 }
 
 }  // namespace

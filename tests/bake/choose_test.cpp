@@ -1,6 +1,7 @@
 #include "bake/choose.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
@@ -44,11 +45,12 @@ TEST(Choose, TheCheapestWithinTheErrorWins) {
     EXPECT_EQ(winner(choice).reason, "chosen");
     EXPECT_LE(winner(choice).error.surfaceRms, allowed * record.diagonal);
     EXPECT_EQ(winner(choice).error.samples, 1000u);
+    EXPECT_LE(winner(choice).error.skyRmse, settings.maxSkyError);
     for (const Score& score : record.scores) {
       EXPECT_FALSE(score.reason.empty());
-      if (score.error.samples > 0 && score.error.surfaceRms <= allowed * record.diagonal) {
-        EXPECT_GE(score.bytes, winner(choice).bytes);
-      }
+      if (score.error.samples == 0 || score.error.surfaceRms > allowed * record.diagonal) continue;
+      EXPECT_TRUE(costOf(score) >= costOf(winner(choice)) || score.error.skyRmse > settings.maxSkyError || score.error.signErrors > 0)
+          << name(score.candidate);
     }
   }
 }
@@ -141,9 +143,67 @@ TEST(Choose, ShapesFindTheirRepresentation) {
   EXPECT_EQ(winner(chosen(boxMesh({1.0, 0.5, 0.25}), small())).candidate.shape, PrimitiveShape::cuboid);
   EXPECT_EQ(winner(chosen(icosphere(1.0, 3), small())).candidate.shape, PrimitiveShape::ellipsoid);
   // A ring is two heights back to back; with a ball over its rim neither side of anything shows all of it.
-  EXPECT_EQ(winner(chosen(ring(), small())).candidate.representation, Representation::heightfield);
+  ChoiceSettings settings = small();
+  settings.maxSkyError = 0.06;
+  EXPECT_EQ(winner(chosen(ring(), settings)).candidate.representation, Representation::heightfield);
   const Mesh both = joined(ring(), moved(icosphere(0.5, 2), {1.0, 1.2, 0.3}));
   EXPECT_EQ(winner(chosen(both, small())).candidate.representation, Representation::volume);
+}
+
+/// Hills over a square, facing up.
+Mesh hills(int cells) {
+  Mesh mesh;
+  for (int j = 0; j <= cells; ++j)
+    for (int i = 0; i <= cells; ++i) {
+      const double x = 4.0 * i / cells - 2.0, z = 4.0 * j / cells - 2.0;
+      mesh.positions.emplace_back(x, 0.3 * std::sin(2.0 * x) * std::cos(1.5 * z), z);
+    }
+  const auto at = [&](int i, int j) { return static_cast<unsigned>(i + (cells + 1) * j); };
+  for (int j = 0; j < cells; ++j)
+    for (int i = 0; i < cells; ++i) {
+      mesh.triangles.emplace_back(at(i, j), at(i, j + 1), at(i + 1, j));
+      mesh.triangles.emplace_back(at(i + 1, j), at(i, j + 1), at(i + 1, j + 1));
+    }
+  return mesh;
+}
+
+/// Its ball, pressed and dented like an asteroid: a star shape that is no primitive.
+Mesh asteroid() {
+  Mesh mesh = icosphere(1.0, 4);
+  for (glm::dvec3& p : mesh.positions)
+    p *= glm::dvec3(1.3, 0.9, 1.0) * (1.0 + 0.12 * std::sin(3.0 * p.x + 1.0) * std::sin(2.5 * p.y) + 0.08 * std::sin(4.0 * p.z));
+  return mesh;
+}
+
+TEST(Choose, TerrainAndAsteroidsAreFoundWhicheverWayTheyLie) {
+  for (const bool turned : {false, true}) {
+    Mesh terrain = hills(48), rock = asteroid();
+    if (turned)
+      for (Mesh* mesh : {&terrain, &rock})
+        for (glm::dvec3& p : mesh->positions) p = glm::dvec3(0.6 * p.x - 0.8 * p.y, 0.8 * p.x + 0.6 * p.y, p.z);
+    const Choice ground = chosen(terrain, small());
+    EXPECT_EQ(winner(ground).candidate.representation, Representation::heightfield) << name(winner(ground).candidate);
+    EXPECT_FALSE(winner(ground).candidate.otherSide);
+    const Choice star = chosen(rock, small());
+    EXPECT_EQ(winner(star).candidate.representation, Representation::radius) << name(winner(star).candidate);
+  }
+}
+
+// The sky alone may rule a candidate out, and the reason says so.
+TEST(Choose, TheSkyErrorAllowedIsKept) {
+  ChoiceSettings settings = small();
+  double last = 0.0;
+  for (const double allowed : {0.1, 0.02, 0.01}) {
+    settings.maxSkyError = allowed;
+    const Choice choice = chosen(ring(), settings);
+    EXPECT_LE(winner(choice).error.skyRmse, allowed);
+    EXPECT_GE(costOf(winner(choice)), last);
+    last = costOf(winner(choice));
+  }
+  settings.maxSkyError = 1e-6;
+  const Choice none = chosen(ring(), settings);
+  EXPECT_FALSE(none.record.withinLimits);
+  EXPECT_NE(none.record.scores[0].reason, "chosen");
 }
 
 TEST(Choose, AnInterruptStops) {

@@ -24,7 +24,7 @@ TEST(Measure, TheExactDistanceHasNoError) {
   EXPECT_LT(error.skyRmse, 1e-9);
   EXPECT_EQ(error.signErrors, 0u);
   EXPECT_EQ(error.samples, 4096u);
-  EXPECT_EQ(error.method, "influence-1");
+  EXPECT_EQ(error.method, "influence-2");
 }
 
 TEST(Measure, AConstantOffsetIsEveryFigure) {
@@ -77,21 +77,62 @@ TEST(Measure, SkyErrorIsThatOfThePublishedEstimator) {
   EXPECT_GT(error.skyRmse, 0.05);
 }
 
-// Which side of a sheet is inside is nobody's to say: both signs and none are right near it.
-TEST(Measure, EitherSideOfASheetMayBeInside) {
-  Mesh sheet;
-  sheet.positions = {{-1, 0, -1}, {1, 0, -1}, {1, 0, 1}, {-1, 0, 1}};
-  sheet.triangles = {{0, 1, 2}, {0, 2, 3}};
-  const Probes probes = drawProbes(sheet, {2000, 1});
-  EXPECT_GT(probes.ambiguousSign, 0.3);
-  const auto unsignedDistance = [](const glm::dvec3& p) { return boxDistance(p, glm::dvec3(1.0, 0.0, 1.0)); };
-  const auto solidBelow = [&](const glm::dvec3& p) {
-    const bool under = p.y < 0.0 && std::abs(p.x) < 1.0 && std::abs(p.z) < 1.0 && p.y > -0.1;
-    return under ? -unsignedDistance(p) : unsignedDistance(p);
-  };
-  EXPECT_LT(measure(unsignedDistance, probes).surfaceRms, 1e-9);
-  EXPECT_LT(measure(solidBelow, probes).surfaceRms, 0.02);
-  EXPECT_GT(measure([&](const glm::dvec3& p) { return -unsignedDistance(p) - 0.1; }, probes).surfaceRms, 0.05);
+Mesh sheet() {
+  Mesh mesh;
+  mesh.positions = {{-1, 0, -1}, {1, 0, -1}, {1, 0, 1}, {-1, 0, 1}};
+  mesh.triangles = {{0, 2, 1}, {0, 3, 2}};  // facing up
+  return mesh;
+}
+
+double aboveSheet(const glm::dvec3& p) {
+  return boxDistance(p, glm::dvec3(1.0, 0.0, 1.0));
+}
+
+/// A block with the sheet as its top or, upside down, as its bottom.
+double block(glm::dvec3 p, double thickness, double up) {
+  p.y *= up;
+  return boxDistance(p + glm::dvec3(0.0, 0.5 * thickness, 0.0), glm::dvec3(1.0, 0.5 * thickness, 1.0));
+}
+
+// Which side of a sheet is inside is nobody's to say, nor how far down: a bare sheet and blocks of any thickness to either side are right.
+TEST(Measure, ASheetMayBeABlockOfAnyThickness) {
+  for (const bool turned : {false, true}) {
+    Mesh mesh = sheet();
+    if (turned) std::swap(mesh.triangles[0].x, mesh.triangles[0].y), std::swap(mesh.triangles[1].x, mesh.triangles[1].y);
+    const Probes probes = drawProbes(mesh, {2000, 1});
+    EXPECT_GT(probes.ambiguousSign, 0.3);
+    EXPECT_LT(measure(aboveSheet, probes).surfaceRms, 1e-9);
+    for (const double thickness : {0.1, 0.5, 2.0}) {
+      for (const double up : {1.0, -1.0}) {
+        const MeasuredError error = measure([&](const glm::dvec3& p) { return block(p, thickness, up); }, probes);
+        EXPECT_LT(error.surfaceRms, 1e-9) << thickness << ' ' << up;
+        EXPECT_EQ(error.signErrors, 0u);
+      }
+    }
+  }
+}
+
+// But not what bulges out in front of it, and not a side that is neither here nor there.
+TEST(Measure, WhatABlockIsInFrontIsKnown) {
+  const Probes probes = drawProbes(sheet(), {2000, 1});
+  const auto raised = [](double by) { return [=](const glm::dvec3& p) { return block(p - glm::dvec3(0.0, by, 0.0), 1.0, 1.0); }; };
+  const MeasuredError low = measure(raised(0.1), probes), high = measure(raised(0.2), probes);
+  EXPECT_GT(low.surfaceRms, 0.08);
+  EXPECT_GT(high.surfaceRms, 1.5 * low.surfaceRms);
+  EXPECT_GT(low.skyRmse, 1e-3);
+  EXPECT_GT(measure([](const glm::dvec3& p) { return boxDistance(p, glm::dvec3(1.0, 0.4, 1.0)); }, probes).surfaceRms, 0.05);
+  EXPECT_GT(measure([](const glm::dvec3& p) { return -aboveSheet(p) - 0.1; }, probes).surfaceRms, 0.05);
+  EXPECT_GT(measure([](const glm::dvec3& p) { return aboveSheet(p) + 0.1; }, probes).surfaceRms, 0.05);
+}
+
+// A ball with a hole in it: within, where the hole is small in sight, inside is known.
+TEST(Measure, TheInsideOfAMeshWithAHoleIsKnown) {
+  const Mesh bowl = withHoles(icosphere(1.0, 3), 0.02, 4);
+  const Probes probes = drawProbes(bowl, {4000, 5});
+  ASSERT_FALSE(probes.found.closed);
+  const MeasuredError hollow = measure([](const glm::dvec3& p) { return std::abs(sphereDistance(p, 1.0)); }, probes);
+  EXPECT_GT(hollow.signErrors, 20u);
+  EXPECT_EQ(measure([](const glm::dvec3& p) { return sphereDistance(p, 1.0); }, probes).signErrors, 0u);
 }
 
 TEST(Measure, FinerVolumesAreNearer) {

@@ -61,7 +61,7 @@ class BakeCommand : public testing::Test {
 };
 
 TEST_F(BakeCommand, AMeshBecomesASceneThatValidates) {
-  const ShellResult baked = bake("ball.off -o out 2>messages");
+  const ShellResult baked = bake("ball.off -o out --resolution 32 2>messages");
   EXPECT_EQ(baked.exitCode, 0) << contents(folder / "messages");
   EXPECT_THAT(baked.output, testing::MatchesRegex("out/volumes/ball-[0-9a-f]{8}.vdb\nout/scene-[0-9a-f]{8}.bin\nout/scene.gltf\n"));
   EXPECT_THAT(contents(folder / "messages"), HasSubstr("ball.off: 1,280 faces, 32x32x32, "));
@@ -92,7 +92,7 @@ TEST_F(BakeCommand, AGltfSceneKeepsItsName) {
 
 TEST_F(BakeCommand, EqualMeshesShareOneVolume) {
   fs::copy_file(folder / "ball.off", folder / "copy.off");
-  ASSERT_EQ(bake("ball.off copy.off ring.off -o out").exitCode, 0);
+  ASSERT_EQ(bake("ball.off copy.off ring.off -o out --resolution 16").exitCode, 0);
   EXPECT_EQ(filesIn("out/volumes").size(), 2u);
   const Result<Scene> scene = readScene(folder / "out/scene.gltf");
   ASSERT_TRUE(scene.ok());
@@ -149,7 +149,7 @@ TEST_F(BakeCommand, SameAssetsAndErrorsForAnyOrderOfTheInput) {
 }
 
 TEST_F(BakeCommand, JsonAloneIsOnStdout) {
-  const ShellResult baked = bake("ball.off bowl.off -o out --json 2>messages");
+  const ShellResult baked = bake("ball.off bowl.off -o out --resolution 32 --json 2>messages");
   ASSERT_EQ(baked.exitCode, 0);
   const nlohmann::json document = nlohmann::json::parse(baked.output);
   EXPECT_EQ(document["format"], "overcast-bake");
@@ -174,6 +174,7 @@ TEST_F(BakeCommand, WrongArgumentsAreExitCodeTwo) {
   for (const char* arguments :
        {"", "ball.off", "-o out", "ball.off -o out --resolution 7", "ball.off -o out --resolution many", "ball.off -o out --bits 9",
         "ball.off -o out --voxel-size 0", "ball.off -o out --voxel-size 1 --resolution 9", "ball.off -o out --wrong",
+        "ball.off -o out --padding nan", "ball.off -o out --max-error nan", "ball.off -o out --max-sky-error 0",
         "ball.off -o out --name ../up", "inspect", "validate", "explain", "verify out/scene.gltf"}) {
     EXPECT_EQ(bake(arguments).exitCode, 2) << arguments;
     EXPECT_FALSE(fs::exists(folder / "out")) << arguments;
@@ -197,7 +198,7 @@ TEST_F(BakeCommand, BadInputsAreNamedAndNothingIsWritten) {
 }
 
 TEST_F(BakeCommand, KeepGoingBakesTheGoodOnes) {
-  EXPECT_EQ(bake("ball.off broken.off ring.off -o out --keep-going").exitCode, 6);
+  EXPECT_EQ(bake("ball.off broken.off ring.off -o out --resolution 16 --keep-going").exitCode, 6);
   EXPECT_EQ(filesIn("out/volumes").size(), 2u);
   EXPECT_EQ(bake("validate out/scene.gltf").exitCode, 0);
   EXPECT_EQ(bake("broken.off -o none --keep-going").exitCode, 3);
@@ -221,7 +222,7 @@ TEST_F(BakeCommand, FlatSheetsBake) {
 }
 
 TEST_F(BakeCommand, ValidateFindsWhatIsWrong) {
-  ASSERT_EQ(bake("ball.off -o out").exitCode, 0);
+  ASSERT_EQ(bake("ball.off -o out --resolution 32").exitCode, 0);
   const Result<Scene> scene = readScene(folder / "out/scene.gltf");
   ASSERT_TRUE(scene.ok());
   const fs::path volume = folder / "out" / scene.value().nodes[0].occluder->uri;
@@ -255,6 +256,21 @@ TEST_F(BakeCommand, ValidateFindsWhatIsWrong) {
   }
   EXPECT_EQ(bake("validate ball.off").exitCode, 3);
   EXPECT_EQ(bake("validate missing.gltf").exitCode, 3);
+}
+
+// Without being told.
+TEST_F(BakeCommand, EveryMeshBecomesWhatSuitsIt) {
+  write("box.off", reference::boxMesh({1.0, 0.5, 0.25}));
+  ASSERT_EQ(bake("box.off ball.off bowl.off -o out").exitCode, 0);
+  const Result<Scene> scene = readScene(folder / "out/scene.gltf");
+  ASSERT_TRUE(scene.ok());
+  const Occluder& box = *scene.value().nodes[0].occluder;
+  EXPECT_EQ(box.representation, Representation::primitive);
+  EXPECT_LT(box.error.max, 1e-5 * diagonal(box.bounds));
+  EXPECT_EQ(scene.value().nodes[1].occluder->representation, Representation::primitive);
+  EXPECT_EQ(scene.value().nodes[2].occluder->representation, Representation::radius);
+  EXPECT_EQ(bake("verify out/scene.gltf --source box.off ball.off bowl.off").exitCode, 0);
+  EXPECT_EQ(bake("validate out/scene.gltf").exitCode, 0);
 }
 
 TEST_F(BakeCommand, TheErrorAllowedDecidesTheSize) {
