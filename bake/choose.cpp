@@ -32,7 +32,8 @@ Error failure(std::string reason) {
 struct Source {
   const Mesh& mesh;
   const ChoiceSettings& settings;
-  std::optional<Result<HeightView>> view;  ///< once a heightfield was asked for
+  std::optional<Result<PrimitiveTarget>> target;  ///< once a primitive was asked for
+  std::optional<Result<HeightView>> view;         ///< once a heightfield was
 };
 
 Result<Asset> volumeOf(Source& source, const Candidate& candidate, const Progress& progress) {
@@ -69,7 +70,9 @@ Result<Asset> heightFieldOf(Source& source, const Candidate& candidate, const Pr
 }
 
 Result<Asset> primitiveOf(Source& source, const Candidate& candidate, const Progress& progress) {
-  auto baked = bakePrimitive(source.mesh, *candidate.shape, progress);
+  if (!source.target) source.target.emplace(primitiveTarget(source.mesh));
+  if (!*source.target) return source.target->error();
+  auto baked = fitPrimitive(source.target->value(), *candidate.shape, progress);
   if (!baked) return baked.error();
   return Asset(baked.value());
 }
@@ -161,7 +164,7 @@ struct Best {
 class Chooser {
  public:
   Chooser(const Mesh& mesh, const ChoiceSettings& settings, const Progress& progress)
-      : source_{mesh, settings, {}}, settings_(settings), progress_(progress), probes_(drawProbes(mesh, settings.measure)) {
+      : source_{mesh, settings, {}, {}}, settings_(settings), progress_(progress), probes_(drawProbes(mesh, settings.measure)) {
     if (settings.maxError)
       limit_ = *settings.maxError * probes_.diagonal;
     else if (!settings.maxBytes)

@@ -146,8 +146,12 @@ Selection select(const Probes& probes, double share) {
   return {part(samples), samples, samples + part(probes.nearEnd - samples), part(probes.receivers.size())};
 }
 
-bool decides(double winding) {
-  return std::abs(winding) <= 0.2 || std::abs(winding) >= 0.8;
+bool isAmbiguous(double winding) {
+  return std::abs(winding) > 0.2 && std::abs(winding) < 0.8;
+}
+
+bool isKnown(const Probes& probes, double winding) {
+  return std::abs(winding) <= 0.2 || (std::abs(winding) >= 0.8 && probes.ambiguousSign <= kSheet);
 }
 
 /// What phi should have been at a point, given what it is.
@@ -167,7 +171,7 @@ double solidSide(const Probes& probes, std::span<const double> sampled) {
 
 Truth truthAt(const Probes& probes, std::size_t i, double sampled, double side) {
   const double w = probes.winding[i], exact = probes.exact[i];
-  const bool known = probes.found.closed || decides(w);
+  const bool known = isKnown(probes, w);
   const bool inside = known ? std::abs(w) > 0.5 : sampled < 0.0;
   const bool free = !probes.found.closed && (probes.atRim[i] || side * w > kBehind) && !(known && inside && sampled >= 0.0);
   return {free ? std::clamp(sampled, -exact, exact) : inside ? -exact : exact, free, known && !free};
@@ -256,7 +260,7 @@ Probes drawProbes(const Mesh& mesh, const MeasureSettings& settings) {
   probes.winding = windingAt(centred, grid, probes.points);
   if (!probes.found.closed) probes.atRim = nearestAtRim(centred, probes);
   const auto nearPoints = std::span(probes.winding).subspan(settings.samples, near.points.size());
-  const auto ambiguous = std::count_if(nearPoints.begin(), nearPoints.end(), [](double w) { return !decides(w); });
+  const auto ambiguous = std::count_if(nearPoints.begin(), nearPoints.end(), isAmbiguous);
   if (!near.points.empty()) probes.ambiguousSign = static_cast<double>(ambiguous) / static_cast<double>(near.points.size());
   for (glm::dvec3& point : probes.points) point += prepared.middle;
   for (Receiver& receiver : probes.receivers) receiver.point += prepared.middle;

@@ -13,12 +13,13 @@
 //    scene (formats/lighting.h), the first tap at D / 64 (a voxel of 128 along two diagonals), phi not blurred and joined with the
 //    receiver's own plane.
 // Where the winding number decides nothing (0.2 < |w| < 0.8: about an open sheet) the sign is a matter of opinion: there phi is compared
-// with the exact distance in the sign that phi has, and no sign is an error. So is where a solid behind an open sheet would end, which is
-// what sets "influence-2" apart from its predecessor: a terrain may be a block as well as a sheet in the air, and a light sees either only
-// from places where nothing is known. Of a mesh that is not closed, points behind it (w > 0.02 on the side that phi takes for solid, which
-// is the sign of the sum of w over the points near the surface where phi < 0) and points whose nearest place is on a boundary edge have an
-// error only where |phi| exceeds the exact distance, which no surface that holds the mesh can do, or where phi is outside although |w| >=
-// 0.8; they count for surfaceRms only with such an error, and so do the taps of receivers there.
+// with the exact distance in the sign that phi has, and no sign is an error. Of a mesh that is mostly such a sheet (kSheet), larger |w| is
+// but a hollow of it and decides nothing either. So is where a solid behind a sheet would end, which is what sets "influence-2" apart from
+// its predecessor: a terrain may be a block as well as a sheet in the air, and a light sees the difference only from places where nothing
+// is known. Of a mesh that is not closed, points behind it (w > 0.02 on the side that phi takes for solid, which is the sign of the sum of
+// w over the points near the surface where phi < 0) and points whose nearest place is on a boundary edge have an error only where |phi|
+// exceeds the exact distance, which no surface that holds the mesh can do, or where phi is outside although inside is decided; they
+// count for surfaceRms only with such an error. Taps of receivers there likewise.
 #pragma once
 
 #include <cstdint>
@@ -35,6 +36,9 @@
 namespace overcast {
 
 inline constexpr const char* kMeasureMethod = "influence-2";
+
+/// Share of the points near the surface with 0.2 < |w| < 0.8 above which a mesh is a sheet: it has no inside but by opinion.
+inline constexpr double kSheet = 0.25;
 
 struct MeasureSettings {
   std::uint64_t samples = 4096;

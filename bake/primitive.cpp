@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <numeric>
+#include <span>
 #include <vector>
 
 #include <Eigen/Dense>
@@ -24,7 +25,6 @@ namespace {
 constexpr std::size_t kSamples = 2048;  ///< every second on the surface, the others around it
 constexpr double kReach = 0.05;         ///< how far around, diagonals
 constexpr int kUnknowns = 9;            ///< centre, rotation vector, logarithms of the half extents
-constexpr std::size_t kScoutShare = 8;  ///< one in so many samples decides which start goes on, and takes that one most of the way
 constexpr int kScoutSteps = 12;         ///< steps from each start; the best goes on
 constexpr int kMostSteps = 80;
 
@@ -33,8 +33,8 @@ using Normal = Eigen::Matrix<double, kUnknowns, kUnknowns>;
 
 /// Points and the mesh's signed distance there, in units of its diagonal about its middle.
 struct Samples {
-  std::vector<glm::dvec3> points;
-  std::vector<double> distance;
+  std::span<const glm::dvec3> points;
+  std::span<const double> distance;
 };
 
 /// A primitive on its way and the sum of its squared differences.
@@ -71,11 +71,12 @@ std::array<double, Dimensions> evenly(std::size_t index) {
   return point;
 }
 
-Samples takeSamples(const Mesh& mesh) {
+/// Fills in the points and distances.
+void takeSamples(const Mesh& mesh, PrimitiveTarget& target) {
   std::vector<double> area(mesh.triangles.size());
   std::transform(mesh.triangles.begin(), mesh.triangles.end(), area.begin(), [&](const glm::uvec3& t) { return areaOf(mesh, t); });
   std::partial_sum(area.begin(), area.end(), area.begin());
-  Samples samples;
+  std::vector<glm::dvec3> off;
   for (std::size_t i = 0; i < kSamples; ++i) {
     const auto [u, v, x, y, z] = evenly<5>(i);
     // Strata in place of the sequence's own coordinate for the triangle: small triangles get their share.
@@ -84,28 +85,15 @@ Samples takeSamples(const Mesh& mesh) {
     const glm::uvec3& t = mesh.triangles[std::min(static_cast<std::size_t>(found), area.size() - 1)];
     const double root = std::sqrt(u);
     glm::dvec3 p = (1.0 - root) * mesh.positions[t.x] + root * (1.0 - v) * mesh.positions[t.y] + root * v * mesh.positions[t.z];
-    if (i % 2 == 1) p += kReach * (2.0 * glm::dvec3(x, y, z) - 1.0);
-    samples.points.push_back(p);
+    if (i % 2 == 1) off.push_back(p += kReach * (2.0 * glm::dvec3(x, y, z) - 1.0));
+    target.points.push_back(p);
   }
   VolumeSettings around;
   around.padding = 3.0;  // voxels of a 25th of the longest side: 0.12 of that, further than kReach of the diagonal
   const Grid grid = volumeGrid(bounds(mesh), around).value();
-  samples.distance = distanceAt(mesh, samples.points);
-  const std::vector<double> winding = windingAt(mesh, grid, samples.points);
+  const std::vector<double> distance = distanceAt(mesh, off), winding = windingAt(mesh, grid, off);
   for (std::size_t i = 0; i < kSamples; ++i)
-    samples.distance[i] = i % 2 == 0 ? 0.0 : std::abs(winding[i]) > 0.5 ? -samples.distance[i] : samples.distance[i];
-  return samples;
-}
-
-/// Every kScoutShare-th pair of a sample on the surface and one around it.
-Samples fewOf(const Samples& samples) {
-  Samples few;
-  for (std::size_t i = 0; i < samples.points.size(); ++i) {
-    if (i / 2 % kScoutShare != 0) continue;
-    few.points.push_back(samples.points[i]);
-    few.distance.push_back(samples.distance[i]);
-  }
-  return few;
+    target.distance.push_back(i % 2 == 0 ? 0.0 : std::abs(winding[i / 2]) > 0.5 ? -distance[i / 2] : distance[i / 2]);
 }
 
 /// Principal axes of the surface's covariance.
@@ -130,13 +118,13 @@ glm::dmat3 inertiaAxes(const Mesh& mesh) {
   return {column(0), column(1), glm::cross(column(0), column(1))};
 }
 
-/// Around the mesh along these axes. An ellipsoid of a box's half extents lies within it and touches its faces.
-Primitive around(const Mesh& mesh, const glm::dmat3& axes, PrimitiveShape shape) {
+/// The cuboid around the mesh along these axes. An ellipsoid of the same half extents lies within it and touches its faces.
+Primitive around(const Mesh& mesh, const glm::dmat3& axes) {
   Box box;
   for (const glm::dvec3& p : mesh.positions) include(box, glm::transpose(axes) * p);
   const glm::dvec3 half = 0.5 * extent(box);
   const double thinnest = 2.0 * kThinnestPrimitive * std::max({half.x, half.y, half.z});
-  return {shape, axes * centre(box), glm::normalize(glm::quat_cast(axes)), glm::max(half, glm::dvec3(thinnest))};
+  return {PrimitiveShape::cuboid, axes * centre(box), glm::normalize(glm::quat_cast(axes)), glm::max(half, glm::dvec3(thinnest))};
 }
 
 /// The primitive moved by a step, its turn about its own axes.
@@ -213,33 +201,45 @@ Error failure(std::string reason) {
 
 }  // namespace
 
-Result<Primitive> bakePrimitive(const Mesh& mesh, PrimitiveShape shape, const Progress& progress) {
-  const Box box = bounds(mesh);
-  if (const Result<Grid> checked = volumeGrid(box, VolumeSettings{}); !checked) return checked.error();
-  const Mesh prepared = repair(normalised(mesh, box)).mesh;
+Result<PrimitiveTarget> primitiveTarget(const Mesh& mesh) {
+  PrimitiveTarget target;
+  target.box = bounds(mesh);
+  if (const Result<Grid> checked = volumeGrid(target.box, VolumeSettings{}); !checked) return checked.error();
+  const Mesh prepared = repair(normalised(mesh, target.box)).mesh;
   const double area = std::accumulate(prepared.triangles.begin(), prepared.triangles.end(), 0.0,
                                       [&](double sum, const glm::uvec3& t) { return sum + areaOf(prepared, t); });
   if (!(area > 0.0)) return failure("no triangle has an area");
+  takeSamples(prepared, target);
+  if (const std::optional<glm::dmat3> axes = orientedBoxAxes(prepared.positions)) target.around.push_back(around(prepared, *axes));
+  target.around.push_back(around(prepared, inertiaAxes(prepared)));
+  target.around.push_back(around(prepared, glm::dmat3(1.0)));
+  return target;
+}
 
-  const Samples samples = takeSamples(prepared), few = fewOf(samples);
-  std::vector<glm::dmat3> starts{inertiaAxes(prepared), glm::dmat3(1.0)};
-  if (const std::optional<glm::dmat3> axes = orientedBoxAxes(prepared.positions)) starts.insert(starts.begin(), *axes);
+Result<Primitive> fitPrimitive(const PrimitiveTarget& target, PrimitiveShape shape, const Progress& progress) {
+  const Samples samples{target.points, target.distance};
   Fit best;
-  for (std::size_t i = 0; i < starts.size(); ++i) {
+  for (std::size_t i = 0; i < target.around.size(); ++i) {
     if (progress && !progress(0.2 + 0.2 * static_cast<double>(i))) return failure("interrupted");
-    const Primitive start = around(prepared, starts[i], shape);
-    const Fit fit = refine({start, costOf(start, few)}, few, kScoutSteps);
+    Primitive start = target.around[i];
+    start.shape = shape;
+    const Fit fit = refine({start, costOf(start, samples)}, samples, kScoutSteps);
     if (i == 0 || fit.cost < best.cost) best = fit;
   }
-  best = refine(best, few, kMostSteps);
-  best = refine({best.primitive, costOf(best.primitive, samples)}, samples, kMostSteps);
+  best = refine(best, samples, kMostSteps);
   if (progress && !progress(1.0)) return failure("interrupted");
 
   Primitive primitive = best.primitive;
-  primitive.centre = centre(box) + diagonal(box) * primitive.centre;
-  primitive.halfExtents *= diagonal(box);
+  primitive.centre = centre(target.box) + diagonal(target.box) * primitive.centre;
+  primitive.halfExtents *= diagonal(target.box);
   if (!isWhole(primitive)) return failure("is too large, too small, too thin or too far away for a primitive");
   return primitive;
+}
+
+Result<Primitive> bakePrimitive(const Mesh& mesh, PrimitiveShape shape, const Progress& progress) {
+  const Result<PrimitiveTarget> target = primitiveTarget(mesh);
+  if (!target) return target.error();
+  return fitPrimitive(target.value(), shape, progress);
 }
 
 }  // namespace overcast
