@@ -9,21 +9,26 @@ namespace {
 struct Contents {
   std::vector<const Volume*> volumes;
   std::vector<glm::vec2> texels;
+  std::uint32_t kinds = 0;  ///< AssetStore::kinds
 };
 
 // One function per kind: puts the asset into `contents` and says where.
 AssetEntry add(const Volume& volume, Contents& contents) {
+  contents.kinds |= 1u << (volume.step > 0.0f ? shared::kKindVolume8 : shared::kKindVolume);
   contents.volumes.push_back(&volume);
   return AtlasEntry{};  // known when all volumes are packed
 }
-AssetEntry add(const Primitive& primitive, Contents&) {
+AssetEntry add(const Primitive& primitive, Contents& contents) {
+  contents.kinds |= 1u << (primitive.shape == PrimitiveShape::cuboid ? shared::kKindCuboid : shared::kKindEllipsoid);
   return primitive;
 }
 AssetEntry add(const RadiusField& radius, Contents& contents) {
+  contents.kinds |= 1u << shared::kKindRadius;
   return packRadius(radius, contents.texels);
 }
 
 AssetEntry add(const HeightField& field, Contents& contents) {
+  contents.kinds |= 1u << shared::kKindHeightField;
   return addHeightField(field, contents.texels);
 }
 
@@ -42,6 +47,7 @@ Result<AssetStore> makeAssetStore(const Device& device, std::span<const Asset> a
   AssetStore store;
   Contents contents;
   for (const Asset& asset : assets) store.entries.push_back(std::visit([&](const auto& kind) { return add(kind, contents); }, asset));
+  store.kinds = contents.kinds;
   Result<Atlas> atlas = makeAtlas(device, contents.volumes, bits);
   if (!atlas) return atlas.error();
   store.atlas = std::move(atlas).value();

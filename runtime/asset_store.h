@@ -23,6 +23,7 @@ using AssetEntry = std::variant<AtlasEntry, Primitive, RadiusEntry, HeightFieldE
 struct AssetStore {
   Atlas atlas;
   GpuBuffer fields;                 ///< vec2 texels of all fields, one asset after another; at least one texel
+  std::uint32_t kinds = 0;          ///< bit shared::kKind... for each kind there is
   std::vector<AssetEntry> entries;  ///< one for each asset, in the order given
 };
 

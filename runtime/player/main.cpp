@@ -4,8 +4,10 @@
 #include <exception>
 #include <filesystem>
 #include <new>
+#include <string_view>
 
 #include "formats/console.h"
+#include "runtime/player/cost_command.h"
 #include "runtime/player/headless.h"
 #include "runtime/player/options.h"
 #include "runtime/player/report.h"
@@ -84,6 +86,15 @@ int run(const PlayerOptions& options) {
   return code;
 }
 
+int runCommand(int argc, char** argv) {
+  if (argc > 1 && std::string_view(argv[1]) == "cost") {
+    keepDriverOffFullDisk();
+    return costCommand(argc - 1, argv + 1);
+  }
+  const ParsedOptions parsed = parseOptions(argc, argv);
+  return parsed.exitCode ? *parsed.exitCode : run(parsed.options);
+}
+
 }  // namespace
 }  // namespace overcast
 
@@ -91,8 +102,7 @@ int main(int argc, char** argv) {
   using namespace overcast;
   holdStandardStreams();
   try {
-    const ParsedOptions parsed = parseOptions(argc, argv);
-    const int code = parsed.exitCode ? *parsed.exitCode : run(parsed.options);
+    const int code = runCommand(argc, argv);
     const auto flushed = flushResults();
     return flushed || code != 0 ? code : fail(flushed.error(), ExitCode::unwritable);
   } catch (const std::bad_alloc&) {

@@ -71,9 +71,19 @@ void check(const PlayerOptions& options) {
 constexpr const char* kFooter =
     "Exit codes: 0 done, 1 internal error (or validation messages), 2 usage, 3 unreadable scene, 4 cannot write, 5 no usable device.\n"
     "Without --camera the scene's own camera is taken, or one that shows the whole scene.\n"
+    "overcast-player cost measures what occluders take in the composite of a device: see overcast-player cost --help.\n"
     "Without --headless a window opens: left mouse button turns, right pans, wheel zooms, space pauses, F12 saves a picture.";
 
 }  // namespace
+
+int parseFailure(const CLI::App& app, const CLI::ParseError& error) {
+  if (error.get_exit_code() == 0) {
+    app.exit(error);
+    return static_cast<int>(ExitCode::ok);
+  }
+  printMessage(oneLine(fmt::format("overcast-player: {} (see --help)", error.what())) + "\n");
+  return static_cast<int>(ExitCode::usage);
+}
 
 ParsedOptions parseOptions(int argc, char** argv) {
   ParsedOptions parsed;
@@ -119,13 +129,7 @@ ParsedOptions parseOptions(int argc, char** argv) {
     if (tapsOption->count() > 0) options.taps = taps;
     check(options);
   } catch (const CLI::ParseError& error) {
-    const bool failed = error.get_exit_code() != 0;
-    if (failed) {
-      printMessage(oneLine(fmt::format("overcast-player: {} (see --help)", error.what())) + "\n");
-    } else {
-      app.exit(error);
-    }
-    parsed.exitCode = static_cast<int>(failed ? ExitCode::usage : ExitCode::ok);
+    parsed.exitCode = parseFailure(app, error);
   }
   return parsed;
 }

@@ -10,6 +10,11 @@
 
 #include "formats/result.h"
 
+namespace CLI {
+class App;
+class ParseError;
+}  // namespace CLI
+
 namespace overcast {
 
 /// Exit codes, as overcast-bake has them where they mean the same.
@@ -47,6 +52,9 @@ struct ParsedOptions {
   std::optional<int> exitCode;
 };
 ParsedOptions parseOptions(int argc, char** argv);
+
+/// Shows the help that was asked for, or reports the usage error; the exit code.
+int parseFailure(const CLI::App& app, const CLI::ParseError& error);
 
 /// The file for one frame: the first run of # in the pattern, or its %d, %4d or %04d, becomes the frame number, zero-padded.
 std::string pictureFile(const std::string& pattern, int frame);

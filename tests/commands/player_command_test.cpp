@@ -8,6 +8,7 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include "formats/composite_costs.h"
 #include "formats/files.h"
 #include "formats/image.h"
 #include "tests/commands/scratch.h"
@@ -42,6 +43,23 @@ class PlayerCommand : public ::testing::Test {
   fs::path scene;
   std::string driver;
 };
+
+TEST_F(PlayerCommand, CostMeasuresEveryKindOnce) {
+  const ShellResult result = play("cost --runs 3 --voxels 16 --objects 2 --largest 16 -o costs.json 2>&1");
+  ASSERT_EQ(result.exitCode, 0) << result.output;
+  for (const char* word : {"device: ", "2 objects at 16^3 voxels", "primitive ellipsoid", "heightfield pair 16", "volume 8, 8 bits"})
+    EXPECT_THAT(result.output, HasSubstr(word));
+  const auto costs = readCompositeCosts(folder / "costs.json");
+  ASSERT_TRUE(costs.ok()) << message(costs.error());
+  EXPECT_EQ(costs.value().runs, 3);
+  EXPECT_EQ(costs.value().costs.size(), 2u + 2u + 4u + 4u);
+  for (const CompositeCost& cost : costs.value().costs) {
+    EXPECT_LE(cost.least, cost.median);
+    EXPECT_LE(cost.median, cost.most);
+  }
+  EXPECT_EQ(play("cost --voxels 12").exitCode, 2);
+  EXPECT_EQ(play("cost --runs 1 --voxels 8 --largest 8 --quiet -o /dev/null/costs.json").exitCode, 4);
+}
 
 TEST_F(PlayerCommand, WritesPicturesAndATable) {
   const ShellResult result = play("scene.gltf --headless --frames 3:4 --size 64x48 -o 'out put/f_####.png' -o out_%02d.exr --validate");

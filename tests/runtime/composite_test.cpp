@@ -194,6 +194,20 @@ TEST_P(CompositeScenes, CulledEqualsBruteForceBitForBit) {
 
 INSTANTIATE_TEST_SUITE_P(Objects, CompositeScenes, ::testing::Values(1, 2, 5, 17, 60, 200));
 
+TEST_F(Composite, ShadersHoldTheKindsThatTheSceneHolds) {
+  load();
+  std::uint32_t kinds = 0;
+  for (const shared::CompositeObject& object :
+       records(store, {{0, glm::dmat4(1.0)}, {assets.size() - 1, glm::dmat4(1.0)}}, cubeGrid(16, 1.0)))
+    kinds |= 1u << object.kind;
+  EXPECT_EQ(kinds, 1u << shared::kKindVolume | 1u << shared::kKindVolume8);
+  EXPECT_EQ(store.kinds, 63u);
+  destroyAssetStore(device, store);
+  assets = {assets.back()};
+  load();
+  EXPECT_EQ(store.kinds, 1u << shared::kKindVolume8);
+}
+
 TEST_F(Composite, BricksWithMoreObjectsThanTheirListHoldsStayExact) {
   load();
   std::mt19937 random(11);

@@ -71,7 +71,9 @@ TEST(PrimitiveFormulas, CuboidsAreExactToRounding) {
 
 /// The record's distance at a point in global voxels from the middle of the grid, evaluated in C++.
 double recordDistance(const shared::CompositeObject& object, const glm::dvec3& voxels) {
-  return shared::primitiveDistance(object, shared::localPoint(object, glm::vec3(voxels))) * object.axisScale.w;
+  const glm::vec3 local = shared::localPoint(object, glm::vec3(voxels)), half(object.parameters);
+  return (object.kind == shared::kKindCuboid ? shared::cuboidDistance(local, half) : shared::ellipsoidDistance(local, half)) *
+         object.axisScale.w;
 }
 
 TEST(PrimitiveRecords, AreExactWhereTheShapeSurvivesAndLowerBoundsElsewhere) {

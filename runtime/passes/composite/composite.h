@@ -56,10 +56,6 @@ struct CompositePush {
   uint everything;  // 48: 1: composite all bricks whatever moved
 };
 
-OVERCAST_INLINE bool isVolume(CompositeObject object) {
-  return object.kind == kKindVolume || object.kind == kKindVolume8;
-}
-
 /// Local coordinates of the point p.
 OVERCAST_INLINE vec3 localPoint(CompositeObject object, vec3 p) {
   OVERCAST_PRECISE vec3 local =

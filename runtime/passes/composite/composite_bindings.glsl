@@ -44,38 +44,61 @@ float volume8Distance(CompositeObject object, vec3 local) {
   return textureLod(atlas8, (vec3(object.parameters) + local) * vec3(push.texel8), 0.0f).r;
 }
 
+// OVERCAST_KINDS has a bit for each kind that the scene holds. The code of the others is not there: devices that run both sides of every
+// branch under a mask would pay for it.
+bool isKind(CompositeObject object, uint kind) {
+  return (uint(OVERCAST_KINDS) >> kind & 1u) != 0u && object.kind == kind;
+}
+
 // Distance at a point of the object's box, in the kind's units. One line per kind.
 float boxedDistance(CompositeObject object, vec3 local) {
-  if (object.kind == kKindRadius) return radiusDistance(OVERCAST_FIELDS_HERE object, local);
-  if (object.kind == kKindHeightField) return heightFieldDistance(OVERCAST_FIELDS_HERE object, local);
-  if (object.kind == kKindVolume8) return volume8Distance(object, local);
-  return volumeDistance(object, local);
+  float distance = 0.0f;
+  if (isKind(object, kKindRadius)) distance = radiusDistance(OVERCAST_FIELDS_HERE object, local);
+  if (isKind(object, kKindHeightField)) distance = heightFieldDistance(OVERCAST_FIELDS_HERE object, local);
+  if (isKind(object, kKindVolume)) distance = volumeDistance(object, local);
+  if (isKind(object, kKindVolume8)) distance = volume8Distance(object, local);
+  return distance;
 }
 
+// Of a primitive, at any point.
 float exactDistance(CompositeObject object, vec3 local) {
-  precise float exact = primitiveDistance(object, local) * object.axisScale.w;
-  return exact;
+  vec3 halfExtents = vec3(object.parameters);
+  float exact = 0.0f;
+  if (isKind(object, kKindCuboid)) exact = cuboidDistance(local, halfExtents);
+  if (isKind(object, kKindEllipsoid)) exact = ellipsoidDistance(local, halfExtents);
+  precise float scaled = exact * object.axisScale.w;
+  return scaled;
 }
 
-// Signed distance in global voxels of the object whose local coordinates are `local` (beyond its box too).
+bool isExact(CompositeObject object) {
+  return isKind(object, kKindCuboid) || isKind(object, kKindEllipsoid);
+}
+
+// Beyond the box: whether the slope at its border is a difference of distances.
+bool hasDifferenceSlope(CompositeObject object) {
+  return isKind(object, kKindVolume) || isKind(object, kKindVolume8) || isKind(object, kKindHeightField);
+}
+
+// Signed distance in global voxels of the object whose local coordinates are `local` (beyond its box too). Not looking up the second
+// distance where the lower bound is already above the nearest object saves nothing that can be measured.
 float objectDistance(CompositeObject object, vec3 local) {
-  if (exactEverywhere(object)) return exactDistance(object, local);
+  if (isExact(object)) return exactDistance(object, local);
   vec3 closest = closestInBox(object, local);
-  precise float phi = boxedDistance(object, closest) * object.axisScale.w;
   float gap = gapBeyondBox(object, local, closest);
+  precise float phi = boxedDistance(object, closest) * object.axisScale.w;
   float slope = 0.0f;
-  if ((isVolume(object) || object.kind == kKindHeightField) && gap > 0.0f && phi > 0.0f) {
+  if (hasDifferenceSlope(object) && gap > 0.0f && phi > 0.0f) {
     vec3 direction = outwardStep(local, closest);
     precise float inner = boxedDistance(object, closest - direction) * object.axisScale.w;
     slope = slopeAlong(object, direction, inner, phi);
   }
-  if (object.kind == kKindRadius && gap > 0.0f) slope = radiusSlope(object, local, closest);
+  if (isKind(object, kKindRadius) && gap > 0.0f) slope = radiusSlope(object, local, closest);
   return extendedDistance(phi, gap, slope);
 }
 
 // A lower and an upper bound of objectDistance, whose growth is bounded (lowerMargin, upperMargin).
 vec2 objectRange(CompositeObject object, vec3 local) {
-  if (exactEverywhere(object)) return vec2(exactDistance(object, local));
+  if (isExact(object)) return vec2(exactDistance(object, local));
   vec3 closest = closestInBox(object, local);
   precise float phi = boxedDistance(object, closest) * object.axisScale.w;
   float gap = gapBeyondBox(object, local, closest);

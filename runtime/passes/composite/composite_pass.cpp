@@ -4,6 +4,7 @@
 #include <array>
 #include <cstddef>
 #include <cstring>
+#include <string>
 
 #include <fmt/format.h>
 
@@ -86,8 +87,9 @@ Result<Done> makePipelines(const Device& device, const AssetStore& store, Compos
                                       {8, VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER}};
   Shader composite{"runtime/passes/composite/composite.comp.glsl", {}};
   if (pass.method == CompositeMethod::bruteForce) composite.defines.push_back({"OVERCAST_BRUTE_FORCE", "1"});
-  for (const auto& [pipeline, shader] :
-       {std::pair{&pass.cull, Shader{"runtime/passes/composite/cull.comp.glsl", {}}}, std::pair{&pass.composite, composite}}) {
+  Shader cull{"runtime/passes/composite/cull.comp.glsl", {}};
+  for (Shader* shader : {&cull, &composite}) shader->defines.push_back({"OVERCAST_KINDS", std::to_string(store.kinds)});
+  for (const auto& [pipeline, shader] : {std::pair{&pass.cull, cull}, std::pair{&pass.composite, composite}}) {
     Result<Pipeline> made = makeComputePipeline(device, {shader, bindings, sizeof(shared::CompositePush)});
     if (!made) return made.error();
     *pipeline = std::move(made).value();

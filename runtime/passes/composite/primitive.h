@@ -56,13 +56,6 @@ OVERCAST_INLINE float ellipsoidDistance(vec3 point, vec3 halfExtents) {
   return s < 0.0f ? -magnitude : magnitude;
 }
 
-/// Distance of a primitive at `local`, in its units, anywhere in space.
-OVERCAST_INLINE float primitiveDistance(CompositeObject object, vec3 local) {
-  vec3 halfExtents = vec3(object.parameters);
-  if (object.kind == kKindCuboid) return cuboidDistance(local, halfExtents);
-  return ellipsoidDistance(local, halfExtents);
-}
-
 OVERCAST_SHARED_END
 
 #endif
