@@ -66,8 +66,7 @@ Json occluderOf(const MeshBake& mesh) {
 Json toJson(const Score& score) {
   Json json = {{"representation", name(score.candidate.representation)}, {"candidate", name(score.candidate)}, {"bytes", score.bytes}};
   if (score.error.samples > 0) json["measured"] = toJson(score.error);
-  json["compositeCost"] = compositeCost(score.candidate.representation);
-  if (score.time) json["nanoseconds"] = {{"median", score.time->median}, {"least", score.time->least}, {"most", score.time->most}};
+  if (score.composite > 0.0) json["compositeNanoseconds"] = score.composite;
   json["reason"] = score.reason;
   return json;
 }

@@ -3,7 +3,6 @@
 #include <stdlib.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <filesystem>
 #include <limits>
@@ -21,8 +20,6 @@ namespace fs = std::filesystem;
 constexpr double kCoarseShare = 0.125;
 constexpr double kCoarseLimit = 2.0;  // times the error allowed
 constexpr double kNoNearer = 0.95;    // of the excess of the size before
-constexpr int kTimings = 5;
-constexpr std::size_t kTimedPoints = 2048;
 
 Error failure(std::string reason) {
   return Error{"", "", std::move(reason)};
@@ -81,7 +78,6 @@ Result<Asset> primitiveOf(Source& source, const Candidate& candidate, const Prog
 struct Ladder {
   Representation representation;
   std::optional<PrimitiveShape> shape;
-  double cost;  ///< compositeCost
   std::vector<int> sizes;
   std::vector<VolumeBits> bits;
   Result<Asset> (*bake)(Source&, const Candidate&, const Progress&);
@@ -90,13 +86,12 @@ struct Ladder {
 /// The table of candidates: a representation joins by a row.
 const std::vector<Ladder>& ladders() {
   static const std::vector<Ladder> table = {
-      {Representation::primitive, PrimitiveShape::cuboid, 1.8, {0}, {VolumeBits::automatic}, primitiveOf},
-      {Representation::primitive, PrimitiveShape::ellipsoid, 1.8, {0}, {VolumeBits::automatic}, primitiveOf},
-      {Representation::radius, {}, 1.1, {8, 16, 32, 64, 128}, {VolumeBits::automatic}, radiusOf},
-      {Representation::heightfield, {}, 3.1, {8, 16, 32, 64, 128, 256}, {VolumeBits::automatic}, heightFieldOf},
+      {Representation::primitive, PrimitiveShape::cuboid, {0}, {VolumeBits::automatic}, primitiveOf},
+      {Representation::primitive, PrimitiveShape::ellipsoid, {0}, {VolumeBits::automatic}, primitiveOf},
+      {Representation::radius, {}, {8, 16, 32, 64, 128}, {VolumeBits::automatic}, radiusOf},
+      {Representation::heightfield, {}, {8, 16, 32, 64, 128, 256}, {VolumeBits::automatic}, heightFieldOf},
       {Representation::volume,
        {},
-       1.0,
        {8, 12, 16, 24, 32, 48, 64, 96, 128, 192, 256},
        {VolumeBits::snorm8, VolumeBits::half, VolumeBits::single},
        volumeOf},
@@ -137,21 +132,6 @@ Result<Stored> store(const Asset& asset, const fs::path& folder, VolumeBits bits
   auto read = readAsset(folder, occluder);
   if (!read) return Error{"", "", read.error().reason};
   return Stored{std::move(read).value(), bytes.value()};
-}
-
-SampleTime timeSamples(const Asset& asset, const Probes& probes) {
-  const std::size_t count = std::min(kTimedPoints, probes.points.size());
-  std::vector<double> nanoseconds;
-  double sum = 0.0;
-  for (int run = 0; run < kTimings; ++run) {
-    const auto start = std::chrono::steady_clock::now();
-    for (std::size_t i = 0; i < count; ++i) sum += sampleAsset(asset, probes.points[i]);
-    const std::chrono::duration<double, std::nano> took = std::chrono::steady_clock::now() - start;
-    nanoseconds.push_back(took.count() / static_cast<double>(count));
-  }
-  OVERCAST_REQUIRE(std::isfinite(sum), "distances add up to {}", sum);  // and so the work cannot be left out
-  std::sort(nanoseconds.begin(), nanoseconds.end());
-  return {nanoseconds[kTimings / 2], nanoseconds.front(), nanoseconds.back()};
 }
 
 /// A candidate that may still win.
@@ -256,9 +236,9 @@ class Chooser {
     }
     score.bytes = stored.value().bytes;
     const Asset& made = stored.value().asset;
+    score.composite = compositeCost(settings_.costs, made, score.candidate.bits);
     score.error = measure(made, probes_, settings_.everything || !limited() ? 1.0 : kCoarseShare);
     if (score.error.samples < settings_.measure.samples && excess(score) <= kCoarseLimit) score.error = measure(made, probes_);
-    if (settings_.everything) score.time = timeSamples(made, probes_);
     const bool small = fits(score), good = limited() && excess(score) <= 1.0;
     const bool dearer = within_ && costOf(score) > costOf(scores_[within_->score]);
     nearest = std::min(nearest, excess(score));
@@ -334,13 +314,7 @@ std::string name(const Candidate& candidate) {
 }
 
 double costOf(const Score& score) {
-  return static_cast<double>(score.bytes) * compositeCost(score.candidate.representation);
-}
-
-double compositeCost(Representation representation) {
-  for (const Ladder& ladder : ladders())
-    if (ladder.representation == representation) return ladder.cost;
-  return 1.0;
+  return static_cast<double>(score.bytes) * score.composite;
 }
 
 Result<Choice> choose(const Mesh& mesh, const ChoiceSettings& settings, const Progress& progress) {

@@ -11,6 +11,7 @@
 #include "bake/measure.h"
 #include "bake/progress.h"
 #include "formats/asset.h"
+#include "formats/composite_costs.h"
 
 namespace overcast {
 
@@ -36,24 +37,13 @@ struct Candidate {
 /// "volume 32 half", "primitive cuboid".
 std::string name(const Candidate& candidate);
 
-/// What an evaluation costs the composite relative to that of a volume: the median ratios that `overcast-bake explain` prints beside its
-/// table, rounded.
-double compositeCost(Representation representation);
-
-/// Time of one evaluation on one thread, nanoseconds.
-struct SampleTime {
-  double median = 0.0;
-  double least = 0.0;
-  double most = 0.0;
-};
-
 /// What is known of a candidate after choosing.
 struct Score {
   Candidate candidate;
   std::uint64_t bytes = 0;  ///< on disk; 0 when there is none
   MeasuredError error;      ///< of fewer samples where that already ruled it out; samples is 0 when not measured
-  std::optional<SampleTime> time;
-  std::string reason;  ///< why it was not chosen, or that it was
+  double composite = 0.0;   ///< nanoseconds of one evaluation in the composite, by ChoiceSettings::costs
+  std::string reason;       ///< why it was not chosen, or that it was
 };
 
 struct ChoiceSettings {
@@ -64,7 +54,8 @@ struct ChoiceSettings {
   int largest = kLargestCandidate;  ///< no larger sizes
   double padding = 2.0;             ///< of volumes, VolumeSettings::padding
   MeasureSettings measure;
-  bool everything = false;  ///< bake and measure every candidate up to `largest` in full, and time its evaluation: for reports
+  CompositeCosts costs = defaultCompositeCosts();  ///< of the device that the choice is for
+  bool everything = false;                         ///< bake and measure every candidate up to `largest` in full: for reports
 };
 
 /// Who won and who lost, in the order of the table of candidates.
@@ -83,7 +74,7 @@ struct Choice {
   double ambiguousSign = 0.0;  ///< Probes::ambiguousSign
 };
 
-/// What a candidate costs: bytes on disk times compositeCost, so that a tenth less of either is worth the same.
+/// What a candidate costs: bytes on disk times nanoseconds in the composite, so that a tenth less of either is worth the same.
 double costOf(const Score& score);
 
 /// Bakes candidates of rising size and keeps the cheapest (costOf; ties: the order of the table) whose surfaceRms is within maxError,

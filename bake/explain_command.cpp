@@ -24,6 +24,7 @@ namespace fs = std::filesystem;
 struct Options {
   fs::path input;
   fs::path svg;
+  fs::path costs;
   ChoiceOptions choice;
   MeasureSettings measure;
   int largest = 128;
@@ -33,7 +34,8 @@ struct Options {
 
 void addOptions(CLI::App& app, Options& options) {
   app.add_option("INPUT", options.input, "a mesh (.obj .ply .stl .off) or a scene (.gltf .glb)")->required();
-  app.add_option("--svg", options.svg, "file for the Pareto fronts of error against bytes and against time");
+  app.add_option("--svg", options.svg, "file for the Pareto fronts of error against bytes and against composite time");
+  app.add_option("--costs", options.costs, "composite costs of a device, from overcast-player cost [those of lavapipe, built in]");
   addChoiceOptions(app, options.choice);
   app.add_option("--largest", options.largest, "largest size of any candidate")
       ->check(CLI::Range(8, kLargestCandidate))
@@ -46,59 +48,40 @@ void addOptions(CLI::App& app, Options& options) {
   app.add_flag("--json", options.json, "print one JSON document instead of tables");
 }
 
-/// Lengths in percent of the diagonal.
+/// Lengths in percent of the diagonal, composite times in nanoseconds.
 void printTable(const ExplainedMesh& mesh) {
   const ChoiceRecord& record = mesh.record;
   printResult(fmt::format("{}: diagonal {:.6g}, errors in percent of it\n", oneLine(mesh.source), record.diagonal));
-  printResult(fmt::format("{:22} {:>12} {:>11} {:>9} {:>9} {:>8} {:>6} {:>20}  {}\n", "candidate", "bytes", "surface rms", "max", "p99",
-                          "sky rmse", "signs", "ns median (range)", "verdict"));
+  printResult(fmt::format("{:22} {:>12} {:>11} {:>9} {:>9} {:>8} {:>6} {:>9}  {}\n", "candidate", "bytes", "surface rms", "max", "p99",
+                          "sky rmse", "signs", "composite", "verdict"));
   for (const Score& score : record.scores) {
     const MeasuredError& error = score.error;
     if (error.samples == 0) {
-      printResult(fmt::format("{:22} {:>12} {:>11} {:>9} {:>9} {:>8} {:>6} {:>20}  {}\n", name(score.candidate), "-", "-", "-", "-", "-",
+      printResult(fmt::format("{:22} {:>12} {:>11} {:>9} {:>9} {:>8} {:>6} {:>9}  {}\n", name(score.candidate), "-", "-", "-", "-", "-",
                               "-", "-", score.reason));
       continue;
     }
     const double percent = 100.0 / record.diagonal;
-    const std::string time =
-        score.time ? fmt::format("{:.1f} ({:.1f}-{:.1f})", score.time->median, score.time->least, score.time->most) : "-";
-    printResult(fmt::format("{:22} {:>12} {:>11.4f} {:>9.3f} {:>9.3f} {:>8.4f} {:>6} {:>20}  {}\n", name(score.candidate),
+    printResult(fmt::format("{:22} {:>12} {:>11.4f} {:>9.3f} {:>9.3f} {:>8.4f} {:>6} {:>9.1f}  {}\n", name(score.candidate),
                             grouped(score.bytes), percent * error.surfaceRms, percent * error.max, percent * error.p99, error.skyRmse,
-                            error.signErrors, time, score.reason));
-  }
-}
-
-/// Composite cost of each representation: median over its candidates of their time, against the volumes' in the same run.
-void printCosts(const std::vector<ExplainedMesh>& meshes) {
-  const auto middle = [&](Representation representation) {
-    std::vector<double> times;
-    for (const ExplainedMesh& mesh : meshes)
-      for (const Score& score : mesh.record.scores)
-        if (score.candidate.representation == representation && score.time) times.push_back(score.time->median);
-    std::sort(times.begin(), times.end());
-    return times.empty() ? 0.0 : times[times.size() / 2];
-  };
-  const double volume = middle(Representation::volume);
-  for (const Representation representation :
-       {Representation::volume, Representation::primitive, Representation::radius, Representation::heightfield}) {
-    const double time = middle(representation);
-    if (volume > 0.0 && time > 0.0)
-      printResult(fmt::format("composite cost of {}: {:.2f} times a volume here, {:.2f} in the choice\n", name(representation),
-                              time / volume, compositeCost(representation)));
+                            error.signErrors, score.composite, score.reason));
   }
 }
 
 /// The document of --json, version 1.
-std::string explainJson(const fs::path& input, const std::vector<ExplainedMesh>& meshes) {
-  nlohmann::ordered_json document = {
-      {"format", "overcast-explain"}, {"version", 1}, {"file", input.string()}, {"meshes", nlohmann::ordered_json::array()}};
+std::string explainJson(const fs::path& input, const CompositeCosts& costs, const std::vector<ExplainedMesh>& meshes) {
+  nlohmann::ordered_json document = {{"format", "overcast-explain"},
+                                     {"version", 1},
+                                     {"file", input.string()},
+                                     {"compositeDevice", costs.device},
+                                     {"meshes", nlohmann::ordered_json::array()}};
   for (const ExplainedMesh& mesh : meshes)
     document["meshes"].push_back({{"source", mesh.source}, {"choice", nlohmann::ordered_json::parse(choiceJson(mesh.record))}});
   return document.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
 }
 
-/// The records of all distinct meshes, one after another: their evaluations are timed.
-Result<std::vector<ExplainedMesh>> explain(const Options& options) {
+/// The records of all distinct meshes, one after another.
+Result<std::vector<ExplainedMesh>> explain(const Options& options, CompositeCosts costs) {
   auto input = readBakeInput(options.input);
   if (!input) return input.error();
   std::vector<BakeInput> inputs;
@@ -106,6 +89,7 @@ Result<std::vector<ExplainedMesh>> explain(const Options& options) {
   const SceneBake bake = joinInputs(std::move(inputs), {});
   ChoiceSettings settings = choiceSettings(options.choice, options.measure);
   settings.everything = true;
+  settings.costs = std::move(costs);
   settings.largest = options.largest;
   std::vector<ExplainedMesh> meshes;
   for (const MeshBake& mesh : bake.meshes) {
@@ -128,17 +112,22 @@ int explainCommand(const std::vector<std::string>& arguments) {
   watchInterrupts();
   std::optional<tbb::global_control> limit;
   if (options.threads > 0) limit.emplace(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(options.threads));
-  const auto meshes = explain(options);
+  const auto costs = options.costs.empty() ? Result<CompositeCosts>(defaultCompositeCosts()) : readCompositeCosts(options.costs);
+  if (!costs) {
+    complain(costs.error());
+    return kBadInput;
+  }
+  const auto meshes = explain(options, costs.value());
   if (interrupted()) return kInterrupted;
   if (!meshes) {
     complain(meshes.error());
     return kBadInput;
   }
   if (options.json) {
-    printResult(explainJson(options.input, meshes.value()) + "\n");
+    printResult(explainJson(options.input, costs.value(), meshes.value()) + "\n");
   } else {
     for (const ExplainedMesh& mesh : meshes.value()) printTable(mesh);
-    printCosts(meshes.value());
+    printResult(fmt::format("composite: nanoseconds of one evaluation on {} ({})\n", costs.value().device, costs.value().driver));
   }
   if (options.svg.empty()) return kOk;
   if (const auto written = writeFileAtomically(options.svg, paretoSvg(meshes.value())); !written) {

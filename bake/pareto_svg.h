@@ -1,4 +1,4 @@
-// Pareto: the front of error against bytes and against time, and its picture.
+// Pareto: the front of error against bytes and against composite time, and its picture.
 #pragma once
 
 #include <cstddef>
@@ -25,9 +25,9 @@ struct ExplainedMesh {
   ChoiceRecord record;
 };
 
-/// An SVG 1.1 document: for every mesh a row of two panels, surface error in percent of the diagonal against bytes and against the median
-/// time of an evaluation in nanoseconds, all candidates as dots coloured by representation, the front as a line, the choice ringed.
-/// Candidates without a measurement are left out.
+/// An SVG 1.1 document: for every mesh a row of two panels, surface error in percent of the diagonal against bytes and against the time
+/// of an evaluation in the composite in nanoseconds, all candidates as dots coloured by representation, the front as a line, the choice
+/// ringed. Candidates without a measurement are left out.
 std::string paretoSvg(const std::vector<ExplainedMesh>& meshes);
 
 }  // namespace overcast

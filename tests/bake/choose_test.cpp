@@ -122,7 +122,7 @@ TEST(Choose, SameRecordForAnyThreadCount) {
   }
 }
 
-TEST(Choose, EverythingIsMeasuredAndTimedForReports) {
+TEST(Choose, EverythingIsMeasuredForReports) {
   ChoiceSettings settings = small();
   settings.everything = true;
   settings.largest = 16;
@@ -132,9 +132,7 @@ TEST(Choose, EverythingIsMeasuredAndTimedForReports) {
     if (score.error.samples == 0) continue;
     volumes += score.candidate.representation == Representation::volume;
     EXPECT_EQ(score.error.samples, 1000u);
-    ASSERT_TRUE(score.time.has_value());
-    EXPECT_LE(score.time->least, score.time->median);
-    EXPECT_LE(score.time->median, score.time->most);
+    EXPECT_GT(score.composite, 0.0);
   }
   EXPECT_EQ(volumes, 9u);  // 8, 12 and 16, of 8 bits, half and single
 }

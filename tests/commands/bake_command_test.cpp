@@ -12,6 +12,8 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include "formats/composite_costs.h"
+#include "formats/files.h"
 #include "formats/mesh.h"
 #include "formats/scene.h"
 #include "tests/commands/scratch.h"
@@ -302,7 +304,7 @@ TEST_F(BakeCommand, ExplainShowsWinnerAndLosers) {
   const ShellResult table = bake("explain ring.off --largest 16 --error-samples 1000 --svg fronts.svg");
   ASSERT_EQ(table.exitCode, 0) << table.output;
   for (const char* words :
-       {"ring.off: diagonal", "volume 8 half", "volume 16 single", "times the error", "chosen", "composite cost of volume"})
+       {"ring.off: diagonal", "volume 8 half", "volume 16 single", "times the error", "chosen", "composite: nanoseconds"})
     EXPECT_THAT(table.output, HasSubstr(words));
   const std::string svg = contents(folder / "fronts.svg");
   EXPECT_THAT(svg, testing::StartsWith("<svg "));
@@ -314,6 +316,16 @@ TEST_F(BakeCommand, ExplainShowsWinnerAndLosers) {
   EXPECT_GE(choice["scores"].size(), 4u);
   for (const auto& score : choice["scores"]) EXPECT_FALSE(score["reason"].get<std::string>().empty());
   EXPECT_EQ(bake("explain missing.off").exitCode, 3);
+  EXPECT_EQ(bake("explain ring.off --costs ring.off").exitCode, 3);
+  CompositeCosts costs = defaultCompositeCosts();
+  for (CompositeCost& cost : costs.costs) cost.median = cost.representation == Representation::volume ? 2.5 : 7.25;
+  ASSERT_TRUE(writeFileAtomically(folder / "costs.json", compositeCostsJson(costs)).ok());
+  const ShellResult priced = bake("explain ring.off --largest 12 --error-samples 500 --json --costs costs.json");
+  ASSERT_EQ(priced.exitCode, 0) << priced.output;
+  for (const auto& score : nlohmann::json::parse(priced.output)["meshes"][0]["choice"]["scores"])
+    if (score.contains("compositeNanoseconds")) {
+      EXPECT_EQ(score["compositeNanoseconds"], score["representation"] == "volume" ? 2.5 : 7.25);
+    }
   EXPECT_EQ(bake("explain ring.off --largest 8 --error-samples 100 --svg text.txt/x.svg").exitCode, 4);
 }
 
