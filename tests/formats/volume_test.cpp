@@ -400,13 +400,14 @@ TEST(VolumeFile, cutShortIsAnError) {
 
 TEST(VolumeFile, accidentsEndInAVolumeOrAnError) {
   const TemporaryFolder folder;
-  ASSERT_TRUE(writeVolume(folder / "whole.vdb", torusVolume()));
-  const auto whole = fileBytes(folder / "whole.vdb");
+  ASSERT_TRUE(writeVolume(folder / "half.vdb", torusVolume()));
+  ASSERT_TRUE(writeVolume(folder / "eight.vdb", torusVolume(), VolumeBits::snorm8));
+  const auto half = fileBytes(folder / "half.vdb"), eight = fileBytes(folder / "eight.vdb");
   SandboxLimits limits;
   limits.wallTime = std::chrono::milliseconds(500);
   int errors = 0;
   for (std::uint64_t seed = 0; seed < 300; ++seed) {
-    putBytes(folder / "accident.vdb", mutated(whole, seed));
+    putBytes(folder / "accident.vdb", mutated(seed % 3 == 0 ? eight : half, seed));
     const auto volume = readVolume(folder / "accident.vdb", limits);
     if (volume) {
       EXPECT_TRUE(isWhole(volume.value())) << seed;
