@@ -105,9 +105,11 @@ std::string summaryLine(const MeshBake& mesh) {
   const char* closed = mesh.found.closed ? "closed" : "open";
   if (mesh.choice) {
     const Score& winner = mesh.choice->scores[mesh.choice->chosen];
-    return fmt::format("{}: {}, {}, {} bytes, {:.2f} s, surface rms {:.3g} % of the diagonal{}, {}", mesh.source, faces,
+    const std::string wrong =
+        winner.error.signErrors == 0 ? "" : ", " + count(winner.error.signErrors, "point", "points") + " on the wrong side";
+    return fmt::format("{}: {}, {}, {} bytes, {:.2f} s, surface rms {:.3g} % of the diagonal{}{}, {}", mesh.source, faces,
                        name(winner.candidate), grouped(winner.bytes), mesh.seconds, 100.0 * winner.error.surfaceRms / mesh.choice->diagonal,
-                       mesh.choice->withinLimits ? "" : " (more than allowed: nothing does better)", closed);
+                       mesh.choice->withinLimits ? "" : " (more than allowed: nothing does better)", wrong, closed);
   }
   const Volume& volume = std::get<Volume>(*mesh.asset);
   const std::string measured =

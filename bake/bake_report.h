@@ -10,7 +10,8 @@
 namespace overcast {
 
 /// "bunny.off: 69,630 faces, 32x31x25, 0.12 s, rms 0.03 voxel, closed, signed-crossings", or of a chosen asset
-/// "bunny.off: 69,630 faces, volume 24 half, 31,415 bytes, 0.41 s, surface rms 0.62 % of the diagonal, closed"
+/// "bunny.off: 69,630 faces, volume 24 half, 31,415 bytes, 0.41 s, surface rms 0.62 % of the diagonal, closed" (and, before "closed",
+/// "3 points on the wrong side" where some of those measured are)
 std::string summaryLine(const MeshBake& mesh);
 
 /// The record as JSON text: diagonal, withinLimits, chosen (an index), scores.

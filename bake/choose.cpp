@@ -193,6 +193,7 @@ class Chooser {
   /// Tries the sizes of one representation, smallest first.
   Result<Done> climb(const Ladder& ladder, bool otherSide) {
     double last = std::numeric_limits<double>::infinity();
+    bool eligible = true;  // for reports, candidates that a choice would not have tried are measured all the same
     for (const int size : ladder.sizes) {
       if (size > settings_.largest) break;
       if (progress_ && !progress_(shareDone(ladder, size))) return failure("interrupted");
@@ -204,14 +205,14 @@ class Chooser {
         candidate.bits = bits;
         Score score{candidate, 0, {}, {}, {}};
         if (asset)
-          goOn |= consider(asset.value(), std::move(score), nearest);
+          goOn |= consider(asset.value(), std::move(score), eligible, nearest);
         else if (asset.error().reason == "interrupted")
           return asset.error();
         else
           refuse(std::move(score), asset.error().reason);
       }
-      if (settings_.everything) continue;
-      if (!goOn || (limited() && nearest > kNoNearer * last)) break;
+      eligible = eligible && goOn && !(limited() && nearest > kNoNearer * last);
+      if (!eligible && !settings_.everything) break;
       last = nearest;
     }
     return Done{};
@@ -227,8 +228,8 @@ class Chooser {
   }
 
   /// Stores and measures one candidate; true when a larger one of its kind may be worth a try. `nearest` becomes its excess if that is
-  /// less.
-  bool consider(const Asset& asset, Score score, double& nearest) {
+  /// less. Without `eligible` it cannot win.
+  bool consider(const Asset& asset, Score score, bool eligible, double& nearest) {
     auto stored = store(asset, folder_.path(), score.candidate.bits);
     if (!stored) {
       refuse(std::move(score), stored.error().reason);
@@ -237,15 +238,16 @@ class Chooser {
     score.bytes = stored.value().bytes;
     const Asset& made = stored.value().asset;
     score.composite = compositeCost(settings_.costs, made, score.candidate.bits);
-    score.error = measure(made, probes_, settings_.everything || !limited() ? 1.0 : kCoarseShare);
+    score.error = measure(made, probes_, limited() ? kCoarseShare : 1.0);
     if (score.error.samples < settings_.measure.samples && excess(score) <= kCoarseLimit) score.error = measure(made, probes_);
+    nearest = std::min(nearest, excess(score));
+    if (settings_.everything && score.error.samples < settings_.measure.samples) score.error = measure(made, probes_);
     const bool small = fits(score), good = limited() && excess(score) <= 1.0;
     const bool dearer = within_ && costOf(score) > costOf(scores_[within_->score]);
-    nearest = std::min(nearest, excess(score));
     scores_.push_back(score);
     const std::size_t index = scores_.size() - 1;
-    if (small && good && (!within_ || costOf(score) < costOf(scores_[within_->score]))) within_ = Best{index, made};
-    if (small && (!closest_ || moreAccurate(score, scores_[closest_->score]))) closest_ = Best{index, made};
+    if (eligible && small && good && (!within_ || costOf(score) < costOf(scores_[within_->score]))) within_ = Best{index, made};
+    if (eligible && small && (!closest_ || moreAccurate(score, scores_[closest_->score]))) closest_ = Best{index, made};
     return small && !good && !dearer;
   }
 
@@ -264,6 +266,7 @@ class Chooser {
       return fmt::format("{:.3g} % of the points on the wrong side", 100.0 * signShare(score));
     }
     if (!within_) return "another is more accurate";
+    if (costOf(score) < costOf(winner)) return "not tried: the size before it came no nearer than the one before that";
     return score.bytes > winner.bytes ? "meets the error, but another is smaller" : "meets the error, but another is cheaper to composite";
   }
 
@@ -322,6 +325,22 @@ Result<Choice> choose(const Mesh& mesh, const ChoiceSettings& settings, const Pr
   volume.padding = settings.padding;
   if (const auto grid = volumeGrid(bounds(mesh), volume); !grid) return grid.error();
   return Chooser(mesh, settings, progress).run();
+}
+
+Result<Score> scoreOf(const Mesh& mesh, const Candidate& candidate, const ChoiceSettings& settings) {
+  const auto ladder = std::find_if(ladders().begin(), ladders().end(), [&](const Ladder& row) {
+    return row.representation == candidate.representation && row.shape == candidate.shape;
+  });
+  OVERCAST_REQUIRE(ladder != ladders().end(), "no candidate is a {}", name(candidate));
+  Source source{mesh, settings, {}, {}};
+  const Result<Asset> asset = ladder->bake(source, candidate, {});
+  if (!asset) return asset.error();
+  const TemporaryFolder folder;
+  const Result<Stored> stored = store(asset.value(), folder.path(), candidate.bits);
+  if (!stored) return stored.error();
+  Score score{candidate, stored.value().bytes, measure(stored.value().asset, drawProbes(mesh, settings.measure)), 0.0, {}};
+  score.composite = compositeCost(settings.costs, stored.value().asset, candidate.bits);
+  return score;
 }
 
 }  // namespace overcast

@@ -89,4 +89,7 @@ double costOf(const Score& score);
 /// ("interrupted").
 Result<Choice> choose(const Mesh& mesh, const ChoiceSettings& settings, const Progress& progress = {});
 
+/// One candidate, baked, stored and measured in full, whatever its error. An Error when it cannot represent the mesh or be stored.
+Result<Score> scoreOf(const Mesh& mesh, const Candidate& candidate, const ChoiceSettings& settings);
+
 }  // namespace overcast

@@ -1,6 +1,7 @@
 #include "bake/explain_command.h"
 
 #include <algorithm>
+#include <chrono>
 #include <filesystem>
 #include <optional>
 
@@ -10,6 +11,7 @@
 
 #include "bake/bake_report.h"
 #include "bake/choice_options.h"
+#include "bake/choice_table.h"
 #include "bake/command.h"
 #include "bake/pareto_svg.h"
 #include "bake/scene_bake.h"
@@ -21,25 +23,29 @@ namespace {
 
 namespace fs = std::filesystem;
 
+constexpr int kLargestShown = 128;  // every candidate of 256 samples takes a minute
+
 struct Options {
   fs::path input;
   fs::path svg;
   fs::path costs;
   ChoiceOptions choice;
   MeasureSettings measure;
-  int largest = 128;
+  std::optional<int> largest;
   int threads = 0;
   bool json = false;
 };
 
 void addOptions(CLI::App& app, Options& options) {
-  app.add_option("INPUT", options.input, "a mesh (.obj .ply .stl .off) or a scene (.gltf .glb)")->required();
-  app.add_option("--svg", options.svg, "file for the Pareto fronts of error against bytes and against composite time");
+  app.add_option("INPUT", options.input,
+                 "a mesh (.obj .ply .stl .off), a scene (.gltf .glb), or a folder of them: then only what is chosen of each, in one table")
+      ->required();
+  app.add_option("--svg", options.svg, "file for the Pareto fronts of error against bytes and against composite time; not for folders");
   app.add_option("--costs", options.costs, "composite costs of a device, from overcast-player cost [those of lavapipe, built in]");
   addChoiceOptions(app, options.choice);
-  app.add_option("--largest", options.largest, "largest size of any candidate")
-      ->check(CLI::Range(8, kLargestCandidate))
-      ->capture_default_str();
+  app.add_option("--largest", options.largest,
+                 fmt::format("largest size of any candidate [{}; {} in a folder]", kLargestShown, kLargestCandidate))
+      ->check(CLI::Range(8, kLargestCandidate));
   app.add_option("--error-samples", options.measure.samples, "random points at which errors are measured")
       ->check(CLI::Range(1, 100000000))
       ->capture_default_str();
@@ -68,37 +74,108 @@ void printTable(const ExplainedMesh& mesh) {
   }
 }
 
+/// What is said of an input. A folder has rows alone.
+struct Explained {
+  std::vector<ExplainedMesh> meshes;
+  std::vector<ChoiceRow> rows;
+  std::vector<Error> errors;  ///< of the folder's files
+};
+
 /// The document of --json, version 1.
-std::string explainJson(const fs::path& input, const CompositeCosts& costs, const std::vector<ExplainedMesh>& meshes) {
+std::string explainJson(const fs::path& input, const CompositeCosts& costs, const Explained& explained) {
   nlohmann::ordered_json document = {{"format", "overcast-explain"},
                                      {"version", 1},
                                      {"file", input.string()},
                                      {"compositeDevice", costs.device},
                                      {"meshes", nlohmann::ordered_json::array()}};
-  for (const ExplainedMesh& mesh : meshes)
+  for (const ExplainedMesh& mesh : explained.meshes)
     document["meshes"].push_back({{"source", mesh.source}, {"choice", nlohmann::ordered_json::parse(choiceJson(mesh.record))}});
+  document["table"] = nlohmann::ordered_json::parse(choiceTableJson(explained.rows));
+  document["errors"] = nlohmann::ordered_json::array();
+  for (const Error& error : explained.errors) document["errors"].push_back(message(error));
   return document.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
 }
 
-/// The records of all distinct meshes, one after another.
-Result<std::vector<ExplainedMesh>> explain(const Options& options, CompositeCosts costs) {
-  auto input = readBakeInput(options.input);
+/// The row of a mesh and its choice.
+ChoiceRow rowOf(const MeshBake& job, const Mesh& mesh, const ChoiceRecord& record, const ChoiceSettings& settings) {
+  ChoiceRow row{job.source, job.faces, record.diagonal, record.scores[record.chosen], record.withinLimits, {}, {}};
+  const auto same = std::find_if(record.scores.begin(), record.scores.end(), [&](const Score& score) {
+    return name(score.candidate) == name(kComparedWith) && score.error.samples == settings.measure.samples;
+  });
+  if (same != record.scores.end()) {
+    row.volume = *same;
+  } else if (auto volume = scoreOf(mesh, kComparedWith, settings)) {
+    row.volume = std::move(volume).value();
+  }
+  return row;
+}
+
+/// Adds the distinct meshes of one file, one after another: they are timed.
+Result<Done> explainFile(const fs::path& file, const Options& options, const CompositeCosts& costs, bool inFolder, Explained& explained) {
+  auto input = readBakeInput(file);
   if (!input) return input.error();
   std::vector<BakeInput> inputs;
   inputs.push_back(std::move(input).value());
   const SceneBake bake = joinInputs(std::move(inputs), {});
   ChoiceSettings settings = choiceSettings(options.choice, options.measure);
-  settings.everything = true;
-  settings.costs = std::move(costs);
-  settings.largest = options.largest;
-  std::vector<ExplainedMesh> meshes;
-  for (const MeshBake& mesh : bake.meshes) {
-    if (mesh.sameAs >= 0) continue;
-    auto choice = choose(bake.scene.meshes[static_cast<std::size_t>(mesh.mesh)], settings, [](double) { return !interrupted(); });
-    if (!choice) return Error{options.input.string(), mesh.source, choice.error().reason};
-    meshes.push_back({mesh.source, std::move(choice).value().record});
+  settings.everything = !inFolder;
+  settings.costs = costs;
+  settings.largest = options.largest.value_or(inFolder ? kLargestCandidate : kLargestShown);
+  for (const MeshBake& job : bake.meshes) {
+    if (job.sameAs >= 0) continue;
+    const Mesh& mesh = bake.scene.meshes[static_cast<std::size_t>(job.mesh)];
+    const auto start = std::chrono::steady_clock::now();
+    auto choice = choose(mesh, settings, [](double) { return !interrupted(); });
+    const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    if (!choice) return Error{file.string(), job.source == file.filename().string() ? "" : job.source, choice.error().reason};
+    explained.rows.push_back(rowOf(job, mesh, choice.value().record, settings));
+    if (inFolder)
+      explained.rows.back().seconds = seconds;
+    else
+      explained.meshes.push_back({job.source, std::move(choice).value().record});
   }
-  return meshes;
+  return Done{};
+}
+
+/// The meshes and scenes of a folder, by name.
+std::vector<fs::path> filesOf(const fs::path& folder) {
+  std::vector<fs::path> files;
+  std::error_code code;
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder, code))
+    if (entry.is_regular_file(code) && (isMeshFile(entry.path()) || isSceneFile(entry.path()))) files.push_back(entry.path());
+  std::sort(files.begin(), files.end());
+  return files;
+}
+
+Result<Explained> explain(const Options& options, const CompositeCosts& costs) {
+  Explained explained;
+  std::error_code code;
+  if (!fs::is_directory(options.input, code)) {
+    if (const auto done = explainFile(options.input, options, costs, false, explained); !done) return done.error();
+    return explained;
+  }
+  for (const fs::path& file : filesOf(options.input)) {
+    if (interrupted()) break;
+    if (const auto done = explainFile(file, options, costs, true, explained); !done) explained.errors.push_back(done.error());
+  }
+  if (explained.rows.empty() && explained.errors.empty())
+    return Error{options.input.string(), "", "holds no mesh (.obj .ply .stl .off) and no scene (.gltf .glb)"};
+  return explained;
+}
+
+void print(const Explained& explained, const CompositeCosts& costs, const Options& options) {
+  if (options.json) {
+    printResult(explainJson(options.input, costs, explained) + "\n");
+    return;
+  }
+  for (const ExplainedMesh& mesh : explained.meshes) printTable(mesh);
+  if (!explained.meshes.empty())
+    printResult(fmt::format("composite: nanoseconds of one evaluation on {} ({})\n", costs.device, costs.driver));
+  if (explained.rows.size() == 1 && !explained.meshes.empty()) return;
+  printResult(choiceTable(explained.rows));
+  printResult(
+      fmt::format("Errors in percent of each mesh's diagonal; ratios against {} of the same mesh, geometric means in the last row.\n",
+                  name(kComparedWith)));
 }
 
 }  // namespace
@@ -109,6 +186,11 @@ int explainCommand(const std::vector<std::string>& arguments) {
   Options options;
   addOptions(app, options);
   if (const int code = parseArguments(app, arguments); code >= 0) return code;
+  std::error_code ignored;
+  if (!options.svg.empty() && fs::is_directory(options.input, ignored)) {
+    complain(Error{options.input.string(), "", "is a folder: --svg draws one mesh or scene (see --help)"});
+    return kUsage;
+  }
   watchInterrupts();
   std::optional<tbb::global_control> limit;
   if (options.threads > 0) limit.emplace(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(options.threads));
@@ -117,24 +199,22 @@ int explainCommand(const std::vector<std::string>& arguments) {
     complain(costs.error());
     return kBadInput;
   }
-  const auto meshes = explain(options, costs.value());
+  const auto explained = explain(options, costs.value());
   if (interrupted()) return kInterrupted;
-  if (!meshes) {
-    complain(meshes.error());
+  if (!explained) {
+    complain(explained.error());
     return kBadInput;
   }
-  if (options.json) {
-    printResult(explainJson(options.input, costs.value(), meshes.value()) + "\n");
-  } else {
-    for (const ExplainedMesh& mesh : meshes.value()) printTable(mesh);
-    printResult(fmt::format("composite: nanoseconds of one evaluation on {} ({})\n", costs.value().device, costs.value().driver));
+  for (const Error& error : explained.value().errors) complain(error);
+  if (explained.value().rows.empty()) return kBadInput;
+  print(explained.value(), costs.value(), options);
+  if (!options.svg.empty()) {
+    if (const auto written = writeFileAtomically(options.svg, paretoSvg(explained.value().meshes)); !written) {
+      complain(written.error());
+      return kCannotWrite;
+    }
   }
-  if (options.svg.empty()) return kOk;
-  if (const auto written = writeFileAtomically(options.svg, paretoSvg(meshes.value())); !written) {
-    complain(written.error());
-    return kCannotWrite;
-  }
-  return kOk;
+  return explained.value().errors.empty() ? kOk : kPartial;
 }
 
 }  // namespace overcast
