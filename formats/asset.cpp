@@ -17,7 +17,7 @@ struct FileKind {
   const char* extension;
   double (*sample)(const T&, const glm::dvec3&);
   Result<T> (*read)(const fs::path&);
-  Result<std::uint64_t> (*write)(const fs::path&, const T&, VolumeBits);
+  Result<std::vector<std::byte>> (*encode)(const T&, VolumeBits);
 };
 
 // One function per kind. Primitives have no file and are treated apart.
@@ -25,19 +25,18 @@ template <class T>
 constexpr FileKind<T> kindOf() = delete;
 template <>
 constexpr FileKind<Volume> kindOf() {
-  return {Representation::volume, ".vdb", sampleVolume, [](const fs::path& path) { return readVolume(path); },
-          [](const fs::path& path, const Volume& volume, VolumeBits bits) { return writeVolume(path, volume, bits); }};
+  return {Representation::volume, ".vdb", sampleVolume, [](const fs::path& path) { return readVolume(path); }, encodeVolume};
 }
 template <>
 constexpr FileKind<RadiusField> kindOf() {
   return {Representation::radius, ".exr", [](const RadiusField& field, const glm::dvec3& point) { return sampleRadius(field, point); },
-          readRadius, [](const fs::path& path, const RadiusField& field, VolumeBits) { return writeRadius(path, field); }};
+          readRadius, [](const RadiusField& field, VolumeBits) -> Result<std::vector<std::byte>> { return encodeRadius(field); }};
 }
 
 template <>
 constexpr FileKind<HeightField> kindOf() {
   return {Representation::heightfield, ".exr", [](const HeightField& field, const glm::dvec3& p) { return sampleHeightField(field, p); },
-          readHeightField, [](const fs::path& path, const HeightField& field, VolumeBits) { return writeHeightField(path, field); }};
+          readHeightField, [](const HeightField& field, VolumeBits) -> Result<std::vector<std::byte>> { return encodeHeightField(field); }};
 }
 
 /// What only some kinds know of themselves.
@@ -51,26 +50,23 @@ void describe(const T&, VolumeBits, Occluder& occluder) {
 }
 
 template <class T>
-Result<std::uint64_t> write(const fs::path& folder, const std::string& stem, const T& asset, Occluder& occluder, VolumeBits bits) {
-  const std::string uri = stem + kindOf<T>().extension;
-  const Result<std::uint64_t> bytes = kindOf<T>().write(folder / uri, asset, bits);
+Result<EncodedAsset> encode(const T& asset, Occluder& occluder, VolumeBits bits) {
+  auto bytes = kindOf<T>().encode(asset, bits);
   if (!bytes) return bytes.error();
-  const auto content = readFile(folder / uri);
-  if (!content) return content.error();
-  occluder.uri = uri;
-  occluder.contentHash = contentHash(content.value());
+  occluder.contentHash = contentHash(bytes.value());
+  occluder.bytes = bytes.value().size();
   occluder.primitive.reset();
   describe(asset, bits, occluder);
-  return bytes;
+  return EncodedAsset{kindOf<T>().extension, std::move(bytes).value()};
 }
 
-Result<std::uint64_t> write(const fs::path&, const std::string& stem, const Primitive& primitive, Occluder& occluder, VolumeBits) {
-  if (!isWhole(primitive)) return Error{stem, "", fmt::format("a {} that is out of range", name(primitive.shape))};
-  occluder.uri.clear();
+Result<EncodedAsset> encode(const Primitive& primitive, Occluder& occluder, VolumeBits) {
+  if (!isWhole(primitive)) return Error{"", "", fmt::format("a {} that is out of range", name(primitive.shape))};
   occluder.contentHash.clear();
+  occluder.bytes = kPrimitiveBytes;
   occluder.bits = 0;
   occluder.primitive = primitive;
-  return kPrimitiveBytes;
+  return EncodedAsset{};
 }
 
 /// The file, when it holds what the scene says it does.
@@ -136,15 +132,23 @@ double lipschitzBound(const Asset& asset) {
   return std::visit([](const auto& kind) { return lipschitzBound(kind); }, asset);
 }
 
-Result<std::uint64_t> writeAsset(const fs::path& folder, const std::string& stem, const Asset& asset, Occluder& occluder,
-                                 VolumeBits volumeBits) {
-  const auto bytes = std::visit([&](const auto& kind) { return write(folder, stem, kind, occluder, volumeBits); }, asset);
-  if (!bytes) return bytes;
+Result<EncodedAsset> encodeAsset(const Asset& asset, Occluder& occluder, VolumeBits volumeBits) {
+  auto encoded = std::visit([&](const auto& kind) { return encode(kind, occluder, volumeBits); }, asset);
+  if (!encoded) return encoded;
   occluder.representation = representationOf(asset);
-  occluder.bytes = bytes.value();
   occluder.bounds = bounds(asset);
   occluder.lipschitz = lipschitzBound(asset);
-  return bytes;
+  return encoded;
+}
+
+Result<std::uint64_t> writeAsset(const fs::path& folder, const std::string& stem, const Asset& asset, Occluder& occluder,
+                                 VolumeBits volumeBits) {
+  const auto encoded = encodeAsset(asset, occluder, volumeBits);
+  if (!encoded) return Error{(folder / stem).string(), encoded.error().place, encoded.error().reason};
+  occluder.uri = encoded.value().extension.empty() ? "" : stem + encoded.value().extension;
+  if (occluder.uri.empty()) return occluder.bytes;
+  if (const auto written = writeFileAtomically(folder / occluder.uri, encoded.value().bytes); !written) return written.error();
+  return occluder.bytes;
 }
 
 Result<Asset> readAsset(const fs::path& folder, const Occluder& occluder) {

@@ -2,10 +2,12 @@
 // has to be said about it here is one line in the variant and one in asset.cpp.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <filesystem>
 #include <string>
 #include <variant>
+#include <vector>
 
 #include "formats/heightfield.h"
 #include "formats/occluder.h"
@@ -30,10 +32,20 @@ double sampleAsset(const Asset& asset, const glm::dvec3& point);
 /// A Lipschitz constant over all of space of sampleAsset, or of its lower bound beyond the box (volume.h).
 double lipschitzBound(const Asset& asset);
 
-/// Writes the asset as folder/<stem>.<its extension> (atomically; nothing for a primitive) and describes it: fills representation,
-/// uri, contentHash, bytes, bounds, lipschitz, a volume's signMethod and bits and a primitive's numbers, and leaves the rest of `occluder`
-/// alone. `stem` may hold folders ("assets/bunny-0123"). Returns the bytes it costs on disk (kPrimitiveBytes for a primitive). `volumeBits`
-/// is for volumes alone. An Error when the disk fails or the values do not fit the format.
+/// An asset as its file: both empty for a primitive, which has none.
+struct EncodedAsset {
+  std::string extension;  ///< with the dot: ".vdb"
+  std::vector<std::byte> bytes;
+};
+
+/// The asset as the bytes that writeAsset puts on disk, and their description: fills representation, contentHash, bytes (kPrimitiveBytes
+/// for a primitive), bounds, lipschitz, a volume's signMethod and bits and a primitive's numbers, and leaves the rest of `occluder` alone.
+/// `volumeBits` is for volumes alone. Deterministic. An Error without a file when the values do not fit the format.
+Result<EncodedAsset> encodeAsset(const Asset& asset, Occluder& occluder, VolumeBits volumeBits = VolumeBits::automatic);
+
+/// Writes the asset as folder/<stem>.<its extension> (atomically; nothing for a primitive) and describes it as encodeAsset does; fills uri
+/// too. `stem` may hold folders ("assets/bunny-0123"). Returns the bytes it costs on disk. An Error when the disk fails or the values do
+/// not fit the format.
 Result<std::uint64_t> writeAsset(const std::filesystem::path& folder, const std::string& stem, const Asset& asset, Occluder& occluder,
                                  VolumeBits volumeBits = VolumeBits::automatic);
 

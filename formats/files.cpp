@@ -9,6 +9,7 @@
 #include <atomic>
 #include <cerrno>
 #include <cstring>
+#include <memory>
 #include <system_error>
 #include <utility>
 
@@ -68,18 +69,74 @@ bool writeAll(int fd, std::span<const std::byte> bytes) {
   return true;
 }
 
-/// A new file beside `path` that no other writer, in this process or another, has; its name is put in `name`.
-int openTemporary(const fs::path& path, fs::path& name) {
+/// A name beside `path` that no other writer, in this process or another, takes.
+fs::path temporaryName(const fs::path& path) {
   static std::atomic<unsigned> serial{0};
+  // A fixed-length prefix of the name: the file name itself may already be as long as the file system allows.
+  const std::string stem = path.filename().string().substr(0, 64);
+  return path.parent_path() / fmt::format(".{}.{}.{}.tmp", stem, ::getpid(), serial.fetch_add(1));
+}
+
+/// A new file beside `path`; its name is put in `name`.
+int openTemporary(const fs::path& path, fs::path& name) {
   for (int attempt = 0; attempt < 100; ++attempt) {
-    // A fixed-length prefix of the name: the file name itself may already be as long as the file system allows.
-    const std::string stem = path.filename().string().substr(0, 64);
-    name = path.parent_path() / fmt::format(".{}.{}.{}.tmp", stem, ::getpid(), serial.fetch_add(1));
+    name = temporaryName(path);
     const int fd = openRetrying(name, O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW, 0666);
     if (fd >= 0 || errno != EEXIST) return fd;
   }
   return -1;
 }
+
+/// A new file in the folder of `path` that has no name yet, so that a killed process leaves nothing; -1 where the file system has no such.
+int openNameless(const fs::path& path) {
+  return openRetrying(path.parent_path().empty() ? fs::path(".") : path.parent_path(), O_WRONLY | O_TMPFILE, 0666);
+}
+
+/// Gives the nameless file this name, which nobody has.
+bool nameFile(int fd, const fs::path& name) {
+  return ::linkat(AT_FDCWD, fmt::format("/proc/self/fd/{}", fd).c_str(), AT_FDCWD, name.c_str(), AT_SYMLINK_FOLLOW) == 0;
+}
+
+/// A file that is written under no name or a temporary one and then takes the place of another. Removed unless it took it.
+class PendingFile {
+ public:
+  explicit PendingFile(const fs::path& path) : path_(path), file_(openNameless(path)) {
+    nameless_ = file_.fd >= 0;
+    if (!nameless_) file_.fd = openTemporary(path, temporary_.path);
+    temporary_.keep = nameless_ || file_.fd < 0;  // never created
+  }
+
+  int fd() const { return file_.fd; }
+
+  /// Makes it the file at the path; false with errno when that fails.
+  bool takePlace() {
+    if (nameless_) {
+      if (nameFile(file_.fd, path_)) return file_.close();
+      if (errno != EEXIST || !nameTemporarily()) return false;
+    }
+    if (!file_.close() || ::rename(temporary_.path.c_str(), path_.c_str()) != 0) return false;
+    temporary_.keep = true;
+    return true;
+  }
+
+ private:
+  bool nameTemporarily() {
+    for (int attempt = 0; attempt < 100; ++attempt) {
+      temporary_.path = temporaryName(path_);
+      if (nameFile(file_.fd, temporary_.path)) {
+        temporary_.keep = false;
+        return true;
+      }
+      if (errno != EEXIST) return false;
+    }
+    return false;
+  }
+
+  const fs::path& path_;
+  Descriptor file_;
+  TemporaryFile temporary_;
+  bool nameless_ = false;
+};
 
 Result<Done> syncFolder(const fs::path& path) {
   const fs::path folder = path.parent_path().empty() ? fs::path(".") : path.parent_path();
@@ -89,6 +146,31 @@ Result<Done> syncFolder(const fs::path& path) {
     return fileError(path, fmt::format("written, but its folder could not be synced: {}", systemReason(errno)));
   }
   return Done{};
+}
+
+int openForReading(const fs::path& path) {
+  // O_NONBLOCK: opening a named pipe must not wait for a writer.
+  return openRetrying(path, O_RDONLY | O_NONBLOCK);
+}
+
+/// The size of an open file; an Error when it was not opened or is not a regular one.
+Result<std::uint64_t> regularSize(const fs::path& path, const Descriptor& file) {
+  struct stat status {};
+  if (file.fd < 0 || ::fstat(file.fd, &status) != 0) return fileError(path, systemReason(errno));
+  if (S_ISDIR(status.st_mode)) return fileError(path, "is a folder");
+  if (!S_ISREG(status.st_mode)) return fileError(path, "is not a regular file");
+  return static_cast<std::uint64_t>(status.st_size);
+}
+
+ssize_t readSome(const Descriptor& file, std::byte* to, std::size_t most) {
+  ssize_t got = 0;
+  do got = ::read(file.fd, to, most);
+  while (got < 0 && errno == EINTR);
+  return got;
+}
+
+std::string hexadecimal(const XXH128_hash_t& hash) {
+  return fmt::format("{:016x}{:016x}", hash.high64, hash.low64);
 }
 
 int hexDigit(char c) {
@@ -122,20 +204,15 @@ bool hasScheme(std::string_view uri) {
 }  // namespace
 
 Result<std::vector<std::byte>> readFile(const fs::path& path, std::uint64_t maxBytes) {
-  // O_NONBLOCK: opening a named pipe must not wait for a writer.
-  const Descriptor file(openRetrying(path, O_RDONLY | O_NONBLOCK));
-  if (file.fd < 0) return fileError(path, systemReason(errno));
-  struct stat status {};
-  if (::fstat(file.fd, &status) != 0) return fileError(path, systemReason(errno));
-  if (S_ISDIR(status.st_mode)) return fileError(path, "is a folder");
-  if (!S_ISREG(status.st_mode)) return fileError(path, "is not a regular file");
-  const auto size = static_cast<std::uint64_t>(status.st_size);
+  const Descriptor file(openForReading(path));
+  const auto checked = regularSize(path, file);
+  if (!checked) return checked.error();
+  const std::uint64_t size = checked.value();
   if (size > maxBytes) return fileError(path, fmt::format("is {} bytes, more than the {} allowed", size, maxBytes));
   std::vector<std::byte> bytes(size);
   std::size_t filled = 0;
   while (filled < bytes.size()) {
-    const ssize_t got = ::read(file.fd, bytes.data() + filled, bytes.size() - filled);
-    if (got < 0 && errno == EINTR) continue;
+    const ssize_t got = readSome(file, bytes.data() + filled, bytes.size() - filled);
     if (got < 0) return fileError(path, systemReason(errno));
     if (got == 0) return fileError(path, "became shorter while it was read");
     filled += static_cast<std::size_t>(got);
@@ -143,37 +220,54 @@ Result<std::vector<std::byte>> readFile(const fs::path& path, std::uint64_t maxB
   return bytes;
 }
 
-Result<Done> writeFileAtomically(const fs::path& path, std::span<const std::byte> bytes) {
+Result<Done> writeFileAtomically(const fs::path& path, std::span<const std::byte> bytes, Durability durability) {
   if (!path.has_filename()) return fileError(path, "names no file");
   std::error_code failed;
   if (path.has_parent_path()) fs::create_directories(path.parent_path(), failed);
   if (failed) return fileError(path.parent_path(), fmt::format("cannot create the folder: {}", systemReason(failed.value())));
 
-  TemporaryFile temporary;
-  Descriptor file(openTemporary(path, temporary.path));
-  if (file.fd < 0) {
-    temporary.keep = true;  // never created
-    return fileError(path, fmt::format("cannot be written: {}", systemReason(errno)));
-  }
+  PendingFile file(path);
+  if (file.fd() < 0) return fileError(path, fmt::format("cannot be written: {}", systemReason(errno)));
   // A file that is replaced keeps its permissions.
   struct stat old {};
-  if (::stat(path.c_str(), &old) == 0 && S_ISREG(old.st_mode) && ::fchmod(file.fd, old.st_mode & 07777) != 0) {
+  if (::stat(path.c_str(), &old) == 0 && S_ISREG(old.st_mode) && ::fchmod(file.fd(), old.st_mode & 07777) != 0) {
     return fileError(path, fmt::format("cannot be written: {}", systemReason(errno)));
   }
-  if (!writeAll(file.fd, bytes) || ::fsync(file.fd) != 0 || !file.close() || ::rename(temporary.path.c_str(), path.c_str()) != 0) {
+  const bool synced = durability == Durability::synced;
+  if (!writeAll(file.fd(), bytes) || (synced && ::fsync(file.fd()) != 0) || !file.takePlace())
     return fileError(path, fmt::format("cannot be written: {}", systemReason(errno)));
-  }
-  temporary.keep = true;
-  return syncFolder(path);
+  return synced ? syncFolder(path) : Result<Done>(Done{});
 }
 
 Result<Done> writeFileAtomically(const fs::path& path, std::string_view text) {
   return writeFileAtomically(path, std::as_bytes(std::span(text.data(), text.size())));
 }
 
+Result<Done> checkWritable(const fs::path& folder) {
+  std::error_code code;
+  fs::path existing = folder.empty() ? fs::path(".") : fs::absolute(folder, code).lexically_normal();
+  while (!fs::exists(existing, code) && existing.has_relative_path()) existing = existing.parent_path();
+  if (!fs::is_directory(existing, code)) return fileError(fs::exists(folder, code) ? folder : existing, "is not a folder");
+  // Asking by access() is not enough: it lets root write anywhere, read-only file systems included.
+  if (PendingFile(existing / "overcast").fd() >= 0) return Done{};
+  return fileError(folder, fmt::format("cannot be written: {}", systemReason(errno)));
+}
+
 std::string contentHash(std::span<const std::byte> bytes) {
-  const XXH128_hash_t hash = XXH3_128bits(bytes.data(), bytes.size());
-  return fmt::format("{:016x}{:016x}", hash.high64, hash.low64);
+  return hexadecimal(XXH3_128bits(bytes.data(), bytes.size()));
+}
+
+Result<std::string> fileHash(const fs::path& path) {
+  const Descriptor file(openForReading(path));
+  if (const auto checked = regularSize(path, file); !checked) return checked.error();
+  const std::unique_ptr<XXH3_state_t, XXH_errorcode (*)(XXH3_state_t*)> state(XXH3_createState(), XXH3_freeState);
+  XXH3_128bits_reset(state.get());
+  std::vector<std::byte> chunk(std::size_t{1} << 18);
+  while (const ssize_t got = readSome(file, chunk.data(), chunk.size())) {
+    if (got < 0) return fileError(path, systemReason(errno));
+    XXH3_128bits_update(state.get(), chunk.data(), static_cast<std::size_t>(got));
+  }
+  return hexadecimal(XXH3_128bits_digest(state.get()));
 }
 
 Result<fs::path> resolveInside(const fs::path& folder, std::string_view relative) {

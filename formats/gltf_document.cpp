@@ -198,16 +198,45 @@ std::string firstLine(const std::string& text) {
   return line.empty() ? "is not valid glTF 2.0" : line;
 }
 
-Result<GltfDocument> parse(const std::filesystem::path& path, Bytes file) {
+/// A parsed file and, of a .glb, its binary chunk.
+struct ParsedJson {
+  Json document;
+  Bytes binary;
+};
+
+Result<ParsedJson> parseJson(Bytes file) {
   const bool binary = file.size() >= 4 && textOf(file.first(4)) == "glTF";
-  auto container = binary ? splitGlb(file) : Result<Container>(Container{textOf(file), {}});
+  const auto container = binary ? splitGlb(file) : Result<Container>(Container{textOf(file), {}});
   if (!container) return container.error();
-  Json document = Json::parse(container.value().json);
-  if (!document.is_object()) return Error{"", "", "is not a JSON object"};
+  ParsedJson parsed{Json::parse(container.value().json), container.value().binary};
+  if (!parsed.document.is_object()) return Error{"", "", "is not a JSON object"};
+  return parsed;
+}
+
+Result<std::vector<std::string>> listFiles(const std::filesystem::path& path, Bytes file) {
+  const auto parsed = parseJson(file);
+  if (!parsed) return parsed.error();
+  std::vector<std::string> files{path.string()};
+  std::size_t index = 0;
+  for (const Json& buffer : member(parsed.value().document, "buffers")) {
+    const std::string place = fmt::format("buffers/{}/uri", index++);
+    const Json& uri = member(buffer, "uri");
+    if (!uri.is_string() || isDataUri(uri)) continue;
+    const auto inside = resolveInside(path.parent_path(), uri.get<std::string>());
+    if (!inside) return Error{"", place, inside.error().reason};
+    files.push_back(inside.value().string());
+  }
+  return files;
+}
+
+Result<GltfDocument> parse(const std::filesystem::path& path, Bytes file) {
+  auto parsed = parseJson(file);
+  if (!parsed) return parsed.error();
+  Json& document = parsed.value().document;
   GltfDocument result;
   for (const auto& check : {checkVersion(document), checkExtensions(document, result.notes), checkCompression(document)})
     if (!check) return check.error();
-  auto external = takeBuffers(path, document, container.value().binary);
+  auto external = takeBuffers(path, document, parsed.value().binary);
   if (!external) return external.error();
 
   // Textures are of no use here: what is missing, huge or in an unknown format among them must not matter.
@@ -234,10 +263,14 @@ void GltfModelDeleter::operator()(tinygltf::Model* model) const {
   delete model;
 }
 
-Result<GltfDocument> readGltfDocument(const std::filesystem::path& path) {
+namespace {
+
+/// What `parse` makes of the file; everything it throws but for want of memory becomes an Error that names the file.
+template <class T>
+Result<T> parsedFile(const std::filesystem::path& path, Result<T> (*parse)(const std::filesystem::path&, Bytes)) {
   auto file = readFile(path);
   if (!file) return file.error();
-  Result<GltfDocument> result = Error{};
+  Result<T> result = Error{};
   try {
     result = parse(path, file.value());
   } catch (const nlohmann::json::exception& failure) {
@@ -251,6 +284,16 @@ Result<GltfDocument> readGltfDocument(const std::filesystem::path& path) {
   Error error = result.error();
   error.file = path.string();
   return error;
+}
+
+}  // namespace
+
+Result<GltfDocument> readGltfDocument(const std::filesystem::path& path) {
+  return parsedFile(path, parse);
+}
+
+Result<std::vector<std::string>> listGltfFiles(const std::filesystem::path& path) {
+  return parsedFile(path, listFiles);
 }
 
 }  // namespace overcast

@@ -308,7 +308,8 @@ std::string binaryName(const fs::path& scene, const std::vector<std::byte>& byte
   return fmt::format("{}-{}.bin", scene.stem().string(), contentHash(bytes).substr(0, 8));
 }
 
-/// Removes the .bin files that older scenes of this name left. What cannot be removed is harmless.
+}  // namespace
+
 void removeOldBinaries(const fs::path& scene, const std::string& kept) {
   const std::string stem = scene.stem().string();
   const fs::path folder = scene.has_parent_path() ? scene.parent_path() : fs::path(".");
@@ -320,8 +321,6 @@ void removeOldBinaries(const fs::path& scene, const std::string& kept) {
   }
   for (const fs::path& file : old) fs::remove(file, code);
 }
-
-}  // namespace
 
 Result<std::vector<std::filesystem::path>> writeScene(const std::filesystem::path& path, const Scene& scene) {
   const std::string broken = brokenInvariant(scene);

@@ -78,9 +78,12 @@ double lipschitzBound(const HeightField& field, int level = 0);
 /// The field as readHeightField gives it back after writeHeightField: texels rounded to half floats. Errors are measured on this.
 HeightField asStored(HeightField field);
 
-/// Writes a mipmapped EXR of half floats with the layers front and, for a pair, back: channels front.mean, front.variance, back.mean,
-/// back.variance, attributes overcast_version, overcast_axisX.x to overcast_axisZ.z, overcast_origin.x to .z, overcast_halfExtent.x to .z.
-/// Deterministic, atomic. Returns the bytes on disk. `field` is whole.
+/// The bytes of the file, deterministic: a mipmapped EXR of half floats with the layers front and, for a pair, back: channels front.mean,
+/// front.variance, back.mean, back.variance, attributes overcast_version, overcast_axisX.x to overcast_axisZ.z, overcast_origin.x to .z,
+/// overcast_halfExtent.x to .z. `field` is whole.
+std::vector<std::byte> encodeHeightField(const HeightField& field);
+
+/// Writes these bytes atomically and returns how many they are.
 Result<std::uint64_t> writeHeightField(const std::filesystem::path& path, const HeightField& field);
 
 /// Reads what writeHeightField wrote, to the last bit of the half floats. Parsed in a sandbox. An Error when channels or attributes are

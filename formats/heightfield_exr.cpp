@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <array>
 
+#include "formats/files.h"
 #include "formats/heightfield.h"
 #include "formats/image_mipmaps.h"
 
@@ -72,7 +73,7 @@ Result<Done> check(const MipmappedImage& image, const std::filesystem::path& pat
 
 }  // namespace
 
-Result<std::uint64_t> writeHeightField(const std::filesystem::path& path, const HeightField& field) {
+std::vector<std::byte> encodeHeightField(const HeightField& field) {
   OVERCAST_REQUIRE(isWhole(field), "a heightfield of {} x {} texels is not whole", field.size.x, field.size.y);
   MipmappedImage image;
   image.numbers[kVersionKey] = kHeightFieldVersion;
@@ -89,7 +90,13 @@ Result<std::uint64_t> writeHeightField(const std::filesystem::path& path, const 
   }
   put(image, field.front, kFrontChannels);
   if (!field.back.empty()) put(image, field.back, kBackChannels);
-  return writeMipmaps(path, image);
+  return encodeMipmaps(image);
+}
+
+Result<std::uint64_t> writeHeightField(const std::filesystem::path& path, const HeightField& field) {
+  const std::vector<std::byte> bytes = encodeHeightField(field);
+  if (const auto written = writeFileAtomically(path, bytes); !written) return written.error();
+  return bytes.size();
 }
 
 Result<HeightField> readHeightField(const std::filesystem::path& path) {

@@ -140,7 +140,7 @@ void readLevel(Imf::TiledInputPart& part, int level, Image& image) {
 
 }  // namespace
 
-Result<std::uint64_t> writeMipmaps(const std::filesystem::path& path, const MipmappedImage& image) {
+std::vector<std::byte> encodeMipmaps(const MipmappedImage& image) {
   OVERCAST_REQUIRE(isWhole(image), "{} levels that are not a whole mipmapped image", image.levels.size());
   MemoryOutput output;
   {
@@ -153,8 +153,13 @@ Result<std::uint64_t> writeMipmaps(const std::filesystem::path& path, const Mipm
       file.writeTiles(0, file.numXTiles(level) - 1, 0, file.numYTiles(level) - 1, level);
     }
   }
-  if (const auto written = writeFileAtomically(path, output.bytes); !written) return written.error();
-  return output.bytes.size();
+  return std::move(output.bytes);
+}
+
+Result<std::uint64_t> writeMipmaps(const std::filesystem::path& path, const MipmappedImage& image) {
+  const std::vector<std::byte> bytes = encodeMipmaps(image);
+  if (const auto written = writeFileAtomically(path, bytes); !written) return written.error();
+  return bytes.size();
 }
 
 Result<MipmappedImage> parseMipmaps(std::span<const std::byte> bytes, const std::string& file) {

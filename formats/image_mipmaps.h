@@ -23,8 +23,11 @@ struct MipmappedImage {
 /// Levels that an image of this size has.
 int mipmapLevels(int width, int height);
 
-/// Writes a tiled EXR (ZIP, half floats) with mipmap levels. Deterministic bytes; atomic; returns the bytes on disk. `image` is whole:
-/// sides within 1 .. kMaxImageSide, every level as above, values finite and within the range of half floats.
+/// The bytes of a tiled EXR (ZIP, half floats) with mipmap levels, deterministic. `image` is whole: sides within 1 .. kMaxImageSide, every
+/// level as above, values finite and within the range of half floats.
+std::vector<std::byte> encodeMipmaps(const MipmappedImage& image);
+
+/// Writes these bytes atomically and returns how many they are.
 Result<std::uint64_t> writeMipmaps(const std::filesystem::path& path, const MipmappedImage& image);
 
 /// Reads it back, channels in alphabetical order. Parsed in a sandbox. An Error for what readExr refuses and for files without mipmap

@@ -1,4 +1,4 @@
-// Packing: plain values in and out of byte buffers, for what a sandboxed parser hands to its parent (formats/sandbox.h). Never on disk.
+// Packing: plain values in and out of byte buffers, for what only this program reads again (formats/archive.h, formats/sandbox.h).
 #pragma once
 
 #include <cstddef>

@@ -93,9 +93,12 @@ double lipschitzBound(const RadiusField& field, int level = 0);
 /// The field as readRadius gives it back after writeRadius: means and variances rounded, falloffs derived from these.
 RadiusField asStored(RadiusField field);
 
-/// Writes half-float channels `radius` and `variance`, scaled so that half floats keep their detail: r = overcast_offset + overcast_scale *
-/// radius with radius in [-1, 1], variance in units of overcast_scale^2; centre as overcast_centre_x, _y, _z. Texels are where OpenEXR
-/// expects them in a cube map. The same field gives the same bytes. Atomic. Returns the bytes on disk. `field` is whole.
+/// The bytes of the file: half-float channels `radius` and `variance`, scaled so that half floats keep their detail: r = overcast_offset +
+/// overcast_scale * radius with radius in [-1, 1], variance in units of overcast_scale^2; centre as overcast_centre_x, _y, _z. Texels are
+/// where OpenEXR expects them in a cube map. The same field gives the same bytes. `field` is whole.
+std::vector<std::byte> encodeRadius(const RadiusField& field);
+
+/// Writes these bytes atomically and returns how many they are.
 Result<std::uint64_t> writeRadius(const std::filesystem::path& path, const RadiusField& field);
 
 /// Reads what writeRadius wrote. Parsed in a sandbox. An Error when it is not a mipmapped cube map with these channels and numbers, a side

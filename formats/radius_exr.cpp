@@ -5,6 +5,7 @@
 
 #include <Imath/half.h>
 
+#include "formats/files.h"
 #include "formats/image_mipmaps.h"
 #include "formats/radius.h"
 #include "formats/shared/cube_map.h"
@@ -138,7 +139,7 @@ RadiusField asStored(RadiusField field) {
   return field;
 }
 
-Result<std::uint64_t> writeRadius(const std::filesystem::path& path, const RadiusField& field) {
+std::vector<std::byte> encodeRadius(const RadiusField& field) {
   OVERCAST_REQUIRE(isWhole(field), "a radius field of {} levels is not whole", field.levels.size());
   const Scaling scaling = scalingOf(field);
   MipmappedImage image;
@@ -149,7 +150,13 @@ Result<std::uint64_t> writeRadius(const std::filesystem::path& path, const Radiu
   const int side = field.levels.front().side;
   for (int l = static_cast<int>(field.levels.size()); l < mipmapLevels(side, 6 * side); ++l)
     image.levels.push_back(flatImage(std::max(1, side >> l), std::max(1, (6 * side) >> l), image.levels[field.levels.size() - 1]));
-  return writeMipmaps(path, image);
+  return encodeMipmaps(image);
+}
+
+Result<std::uint64_t> writeRadius(const std::filesystem::path& path, const RadiusField& field) {
+  const std::vector<std::byte> bytes = encodeRadius(field);
+  if (const auto written = writeFileAtomically(path, bytes); !written) return written.error();
+  return bytes.size();
 }
 
 Result<RadiusField> readRadius(const std::filesystem::path& path) {

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "formats/archive.h"
+#include "formats/gltf_document.h"
 #include "formats/gltf_reader.h"
 #include "formats/sandbox.h"
 #include "formats/scene_bytes.h"
@@ -32,6 +34,18 @@ Result<Scene> readScene(const std::filesystem::path& path) {
   auto scene = unpackScene(bytes.value());
   if (!scene) return Error{path.string(), "", "reader returned a damaged scene"};
   return std::move(*scene);
+}
+
+Result<std::vector<std::filesystem::path>> sceneFiles(const std::filesystem::path& path) {
+  auto bytes = runSandboxed(path, SandboxLimits{}, [&]() -> Result<std::vector<std::byte>> {
+    const auto files = listGltfFiles(path);
+    if (!files) return files.error();
+    return archived(files.value());
+  });
+  if (!bytes) return bytes.error();
+  const auto names = unarchived<std::vector<std::string>>(bytes.value());
+  if (!names) return Error{path.string(), "", "reader returned a damaged list of files"};
+  return std::vector<std::filesystem::path>(names->begin(), names->end());
 }
 
 Scene sceneFromMesh(Mesh mesh) {

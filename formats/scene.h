@@ -82,6 +82,10 @@ bool isSceneFile(const std::filesystem::path& path);
 /// (Draco, meshopt without fallback) are an Error. URIs that leave the file's folder are an Error. Parsed in a sandbox.
 Result<Scene> readScene(const std::filesystem::path& path);
 
+/// The files that readScene reads: `path` and the buffers outside it (images are not read). Parsed in a sandbox. An Error when `path`
+/// cannot be read, is no JSON object, or names a buffer outside its folder.
+Result<std::vector<std::filesystem::path>> sceneFiles(const std::filesystem::path& path);
+
 /// A scene of one mesh file: one node with that mesh and one default material. A mesh whose box lies further from the origin than 64
 /// of its diagonals is recentred, its node moved instead, so that single floats keep its detail.
 Scene sceneFromMesh(Mesh mesh);
@@ -92,6 +96,10 @@ Scene sceneFromMesh(Mesh mesh);
 /// process finds the old scene or the new one, whole. One writer at a time. Positions become single floats; missing normals are computed
 /// (angle-weighted, creases over 60 degrees split). Returns the files, the scene last.
 Result<std::vector<std::filesystem::path>> writeScene(const std::filesystem::path& path, const Scene& scene);
+
+/// Removes the .bin files that older scenes at this path left, all but the one named `kept` (empty: none). What cannot be removed is
+/// harmless. For whoever puts a scene in place without writeScene.
+void removeOldBinaries(const std::filesystem::path& scene, const std::string& kept);
 
 /// Applies the animations at `time` seconds (looped over the longest animation, or clamped to their ends) and returns
 /// worldFromLocal of every node, in node order; [i] maps points of node i's mesh to world space.

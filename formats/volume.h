@@ -73,10 +73,13 @@ const char* name(VolumeBits bits);
 /// untouched. Errors of a baked volume are measured on this. Distances that half floats cannot hold become infinite.
 Volume asStored(Volume volume, VolumeBits bits = VolumeBits::automatic);
 
-/// Writes one dense float grid named `distance`, class level set, with metadata overcast_version, overcast_sign_method and overcast_size,
-/// UUID made from the content: the same volume gives the same bytes, for any thread count. snorm8 adds overcast_step; the grid then holds
-/// the distances as any reader expects them, deflated to about a byte each. Atomic. Returns the bytes on disk; an Error when
-/// the disk fails, or when `bits` is half and a distance overflows it. `volume` is whole (isWhole).
+/// The bytes of the file: one dense float grid named `distance`, class level set, with metadata overcast_version, overcast_sign_method and
+/// overcast_size, UUID made from the content: the same volume gives the same bytes, for any thread count. snorm8 adds overcast_step; the
+/// grid then holds the distances as any reader expects them, deflated to about a byte each. An Error without a file when `bits` is half and
+/// a distance overflows it. `volume` is whole (isWhole).
+Result<std::vector<std::byte>> encodeVolume(const Volume& volume, VolumeBits bits = VolumeBits::automatic);
+
+/// Writes these bytes atomically and returns how many they are; an Error also when the disk fails.
 Result<std::uint64_t> writeVolume(const std::filesystem::path& path, const Volume& volume, VolumeBits bits = VolumeBits::automatic);
 
 /// Reads what writeVolume wrote, bit for bit, and the float grid `distance` of any other .vdb over the box of its active voxels (inactive

@@ -4,6 +4,7 @@
 #include <cstring>
 #include <istream>
 #include <mutex>
+#include <span>
 #include <sstream>
 #include <streambuf>
 
@@ -261,18 +262,24 @@ Result<Volume> parseVolume(std::span<const std::byte> bytes, const std::string& 
   }
 }
 
-Result<std::uint64_t> writeVolume(const std::filesystem::path& path, const Volume& volume, VolumeBits bits) {
+Result<std::vector<std::byte>> encodeVolume(const Volume& volume, VolumeBits bits) {
   OVERCAST_REQUIRE(isWhole(volume), "not whole: a volume of {} x {} x {} samples, spacing {}, with {} distances", volume.size.x,
                    volume.size.y, volume.size.z, volume.voxelSize, volume.distance.size());
   const VolumeBits chosen = chooseBits(volume, bits);
   for (const float d : volume.distance)
     if (chosen == VolumeBits::half && std::abs(d) > kLargestHalf)
-      return Error{path.string(), "", fmt::format("the distance {} does not fit a half float", d)};
+      return Error{"", "", fmt::format("the distance {} does not fit a half float", d)};
   initialiseOpenVdb();
-  const std::string bytes = chosen == VolumeBits::snorm8 ? serialise(asStored(volume, chosen), chosen) : serialise(volume, chosen);
-  const auto written = writeFileAtomically(path, std::string_view(bytes));
-  if (!written) return written.error();
-  return bytes.size();
+  const std::string text = chosen == VolumeBits::snorm8 ? serialise(asStored(volume, chosen), chosen) : serialise(volume, chosen);
+  const auto bytes = std::as_bytes(std::span(text));
+  return std::vector<std::byte>(bytes.begin(), bytes.end());
+}
+
+Result<std::uint64_t> writeVolume(const std::filesystem::path& path, const Volume& volume, VolumeBits bits) {
+  const auto bytes = encodeVolume(volume, bits);
+  if (!bytes) return Error{path.string(), bytes.error().place, bytes.error().reason};
+  if (const auto written = writeFileAtomically(path, bytes.value()); !written) return written.error();
+  return bytes.value().size();
 }
 
 Result<Volume> readVolume(const std::filesystem::path& path, const SandboxLimits& limits) {

@@ -8,6 +8,7 @@
 #include <glm/geometric.hpp>
 
 #include "formats/extension_json.h"
+#include "formats/files.h"
 #include "tests/formats/temporary_folder.h"
 #include "tests/reference/shapes.h"
 
@@ -53,6 +54,20 @@ TEST_F(Assets, ReadBackWhatWasWrittenAndSampleTheSame) {
     ASSERT_TRUE(read.ok()) << message(read.error());
     for (const glm::dvec3& p : reference::randomPoints({glm::dvec3(-4.0), glm::dvec3(4.0)}, 300, 3))
       EXPECT_EQ(sampleAsset(read.value(), p), sampleAsset(asset, p));
+  }
+}
+
+TEST_F(Assets, EncodeToTheBytesThatAreWritten) {
+  for (const Asset& asset : {Asset(smallVolume()), Asset(smallPrimitive())}) {
+    Occluder written, described;
+    ASSERT_TRUE(writeAsset(folder.path, "thing", asset, written).ok());
+    const auto encoded = encodeAsset(asset, described);
+    ASSERT_TRUE(encoded.ok());
+    EXPECT_EQ(described.uri, "");
+    described.uri = encoded.value().extension.empty() ? "" : "thing" + encoded.value().extension;
+    EXPECT_EQ(occluderJson(described), occluderJson(written));
+    if (written.uri.empty()) continue;
+    EXPECT_EQ(readFile(folder.path / written.uri).value(), encoded.value().bytes);
   }
 }
 

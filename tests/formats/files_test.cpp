@@ -10,6 +10,7 @@
 #include <fstream>
 #include <iterator>
 #include <set>
+#include <span>
 #include <thread>
 
 #include "tests/formats/temporary_folder.h"
@@ -87,6 +88,43 @@ TEST(Files, AFolderThatCannotBeWrittenIsAnError) {
   ASSERT_EQ(::chmod(folder.path.c_str(), 0755), 0);
   EXPECT_FALSE(written.ok());
   EXPECT_EQ(slurp(folder.path / "file"), "old");
+}
+
+TEST(Files, WhetherAFolderCanBeWrittenIsKnownBeforeAndLeavesNothing) {
+  const TemporaryFolder folder;
+  spill(folder.path / "file", "old");
+  EXPECT_TRUE(checkWritable(folder.path).ok());
+  EXPECT_TRUE(checkWritable(folder.path / "new" / "deep").ok());
+  EXPECT_TRUE(checkWritable("").ok());
+  EXPECT_TRUE(checkWritable("not-there").ok());
+  for (const fs::path& wrong : {folder.path / "file", folder.path / "file" / "below", fs::path("/proc/overcast-test")}) {
+    const auto checked = checkWritable(wrong);
+    ASSERT_FALSE(checked.ok()) << wrong;
+    EXPECT_NE(message(checked.error()).find(wrong == folder.path / "file" / "below" ? "file" : wrong.string()), std::string::npos);
+  }
+  EXPECT_EQ(entries(folder.path), 1u);
+}
+
+TEST(Files, TheHashOfAFileIsThatOfItsBytes) {
+  const TemporaryFolder folder;
+  for (const std::size_t size : {0u, 1u, 1000u, 1u << 18, (1u << 18) + 1u, 1'000'000u}) {
+    std::string text(size, 'x');
+    for (std::size_t i = 0; i < size; i += 7) text[i] = static_cast<char>(i * i / 3);
+    spill(folder.path / "file", text);
+    const auto hash = fileHash(folder.path / "file");
+    ASSERT_TRUE(hash.ok());
+    EXPECT_EQ(hash.value(), contentHash(std::as_bytes(std::span(text)))) << size;
+  }
+  EXPECT_FALSE(fileHash(folder.path / "missing").ok());
+  EXPECT_FALSE(fileHash(folder.path).ok());
+}
+
+TEST(Files, UnsyncedFilesAreWholeToo) {
+  const TemporaryFolder folder;
+  const std::string text(100'000, 'y');
+  ASSERT_TRUE(writeFileAtomically(folder.path / "file", std::as_bytes(std::span(text)), Durability::unsynced).ok());
+  EXPECT_EQ(slurp(folder.path / "file"), text);
+  EXPECT_EQ(entries(folder.path), 1u);
 }
 
 TEST(Files, AFolderInTheWayIsAnErrorAndLeavesNothing) {

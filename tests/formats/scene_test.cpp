@@ -354,6 +354,24 @@ TEST(Scene, BuffersStayInsideTheFolder) {
   EXPECT_THAT(message(cut.error()), HasSubstr("buffers/0: has 41 bytes but byteLength says 42"));
 }
 
+TEST(Scene, KnowsTheFilesItIsReadFrom) {
+  const TemporaryFolder folder;
+  GltfBuilder builder = GltfBuilder::triangle();
+  builder.json["buffers"] = {{{"uri", "a%20b.bin"}, {"byteLength", 42}}, {{"uri", "data:,x"}}, {{"byteLength", 1}}, {{"uri", "c.bin"}}};
+  builder.json["images"] = {{{"uri", "picture.png"}}};
+  const auto path = builder.gltf(folder.path);
+  const auto files = sceneFiles(path);
+  ASSERT_TRUE(files) << message(files.error());
+  EXPECT_THAT(files.value(), testing::ElementsAre(path, folder.path / "a b.bin", folder.path / "c.bin"));
+  const auto glb = GltfBuilder::triangle().glb(folder.path);
+  EXPECT_THAT(sceneFiles(glb).value(), testing::ElementsAre(glb));
+  builder.json["buffers"] = {{{"uri", "../out.bin"}}};
+  EXPECT_THAT(message(sceneFiles(builder.gltf(folder.path)).error()), HasSubstr("buffers/0/uri: leaves the folder"));
+  EXPECT_FALSE(sceneFiles(folder.path / "missing.gltf"));
+  GltfBuilder::save(folder.path / "no.gltf", "[1]");
+  EXPECT_FALSE(sceneFiles(folder.path / "no.gltf"));
+}
+
 TEST(Scene, ReadsGlbAndDataUris) {
   const TemporaryFolder folder;
   GltfBuilder builder = GltfBuilder::triangle();
