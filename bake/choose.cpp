@@ -1,10 +1,7 @@
 #include "bake/choose.h"
 
-#include <stdlib.h>
-
 #include <algorithm>
 #include <cmath>
-#include <filesystem>
 #include <limits>
 
 #include "bake/heightfield.h"
@@ -14,8 +11,6 @@
 
 namespace overcast {
 namespace {
-
-namespace fs = std::filesystem;
 
 constexpr double kCoarseShare = 0.125;
 constexpr double kCoarseLimit = 2.0;  // times the error allowed
@@ -99,39 +94,18 @@ const std::vector<Ladder>& ladders() {
   return table;
 }
 
-/// A folder of its own below the system's temporary one, gone with its contents at the end.
-class TemporaryFolder {
- public:
-  TemporaryFolder() {
-    std::error_code code;
-    std::string pattern = (fs::temp_directory_path(code) / "overcast-choose-XXXXXX").string();
-    if (!code && ::mkdtemp(pattern.data()) != nullptr) path_ = pattern;
-  }
-  ~TemporaryFolder() {
-    std::error_code ignored;
-    if (!path_.empty()) fs::remove_all(path_, ignored);
-  }
-  TemporaryFolder(const TemporaryFolder&) = delete;
-  TemporaryFolder& operator=(const TemporaryFolder&) = delete;
-  const fs::path& path() const { return path_; }  ///< empty when it could not be made
-
- private:
-  fs::path path_;
-};
-
 struct Stored {
   Asset asset;
   std::uint64_t bytes = 0;
 };
 
-/// `asset` after its way over the disk.
-Result<Stored> store(const Asset& asset, const fs::path& folder, VolumeBits bits) {
-  Occluder occluder;
-  const auto bytes = writeAsset(folder, "candidate", asset, occluder, bits);
-  if (!bytes) return Error{"", "", bytes.error().reason};
-  auto read = readAsset(folder, occluder);
-  if (!read) return Error{"", "", read.error().reason};
-  return Stored{std::move(read).value(), bytes.value()};
+/// `asset` as a runtime reads it back, and the bytes of its file. Radius and height fields are baked as stored.
+Result<Stored> store(const Asset& asset, VolumeBits bits) {
+  Occluder described;
+  const Result<EncodedAsset> encoded = encodeAsset(asset, described, bits);
+  if (!encoded) return encoded.error();
+  const auto* volume = std::get_if<Volume>(&asset);
+  return Stored{volume ? Asset(asStored(*volume, bits)) : asset, described.bytes};
 }
 
 /// A candidate that may still win.
@@ -152,7 +126,6 @@ class Chooser {
   }
 
   Result<Choice> run() {
-    if (folder_.path().empty()) return failure("cannot make a temporary folder for candidates");
     for (const Ladder& ladder : ladders()) {
       if (settings_.only && *settings_.only != ladder.representation) continue;
       if (auto climbed = climb(ladder, false); !climbed) return climbed.error();
@@ -230,7 +203,7 @@ class Chooser {
   /// Stores and measures one candidate; true when a larger one of its kind may be worth a try. `nearest` becomes its excess if that is
   /// less. Without `eligible` it cannot win.
   bool consider(const Asset& asset, Score score, bool eligible, double& nearest) {
-    auto stored = store(asset, folder_.path(), score.candidate.bits);
+    auto stored = store(asset, score.candidate.bits);
     if (!stored) {
       refuse(std::move(score), stored.error().reason);
       return false;
@@ -298,7 +271,6 @@ class Chooser {
   const ChoiceSettings& settings_;
   const Progress& progress_;
   const Probes probes_;
-  const TemporaryFolder folder_;
   double limit_ = std::numeric_limits<double>::infinity();  ///< of surfaceRms, local units
   std::vector<Score> scores_;
   std::optional<Best> within_;   ///< the cheapest within both limits
@@ -335,8 +307,7 @@ Result<Score> scoreOf(const Mesh& mesh, const Candidate& candidate, const Choice
   Source source{mesh, settings, {}, {}};
   const Result<Asset> asset = ladder->bake(source, candidate, {});
   if (!asset) return asset.error();
-  const TemporaryFolder folder;
-  const Result<Stored> stored = store(asset.value(), folder.path(), candidate.bits);
+  const Result<Stored> stored = store(asset.value(), candidate.bits);
   if (!stored) return stored.error();
   Score score{candidate, stored.value().bytes, measure(stored.value().asset, drawProbes(mesh, settings.measure)), 0.0, {}};
   score.composite = compositeCost(settings.costs, stored.value().asset, candidate.bits);

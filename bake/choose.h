@@ -1,5 +1,5 @@
-// Choose: which representation and size of a mesh to keep, by measured error. Every candidate is baked, written, read back as a runtime
-// would, and measured; what lost and why is kept beside what won.
+// Choose: which representation and size of a mesh to keep, by measured error. Every candidate is baked, taken as a runtime reads it
+// back from disk, and measured; what lost and why is kept beside what won.
 #pragma once
 
 #include <cstddef>
@@ -85,7 +85,7 @@ double costOf(const Score& score);
 /// not tried beyond the first that meets the limits, nor beyond one that came no nearer to them than the size before it, nor beyond what
 /// already costs more than a candidate that does; candidates are measured with an eighth of the samples first, and no further when that is
 /// over twice a limit. A winner with sign errors has its count in the record and in every report. Deterministic. An Error when no candidate
-/// can represent the mesh or fits maxBytes, the temporary folder cannot be written, or `progress` asked to stop
+/// can represent the mesh or fits maxBytes, or `progress` asked to stop
 /// ("interrupted").
 Result<Choice> choose(const Mesh& mesh, const ChoiceSettings& settings, const Progress& progress = {});
 
