@@ -14,7 +14,8 @@ namespace {
 
 constexpr double kCoarseShare = 0.125;
 constexpr double kCoarseLimit = 2.0;  // times the error allowed
-constexpr double kNoNearer = 0.95;    // of the excess of the size before
+constexpr int kMostIdle = 2;
+constexpr double kNoNearer = 0.95;  // of the excess of the size before
 
 Error failure(std::string reason) {
   return Error{"", "", std::move(reason)};
@@ -166,6 +167,7 @@ class Chooser {
   /// Tries the sizes of one representation, smallest first.
   Result<Done> climb(const Ladder& ladder, bool otherSide) {
     double last = std::numeric_limits<double>::infinity();
+    int idle = 0;          // sizes in a row that came no nearer
     bool eligible = true;  // for reports, candidates that a choice would not have tried are measured all the same
     for (const int size : ladder.sizes) {
       if (size > settings_.largest) break;
@@ -184,7 +186,8 @@ class Chooser {
         else
           refuse(std::move(score), asset.error().reason);
       }
-      eligible = eligible && goOn && !(limited() && nearest > kNoNearer * last);
+      idle = limited() && nearest > kNoNearer * last ? idle + 1 : 0;
+      eligible = eligible && goOn && idle < kMostIdle;
       if (!eligible && !settings_.everything) break;
       last = nearest;
     }
@@ -239,7 +242,7 @@ class Chooser {
       return fmt::format("{:.3g} % of the points on the wrong side", 100.0 * signShare(score));
     }
     if (!within_) return "another is more accurate";
-    if (costOf(score) < costOf(winner)) return "not tried: the size before it came no nearer than the one before that";
+    if (costOf(score) < costOf(winner)) return "not tried: the sizes before it came no nearer";
     return score.bytes > winner.bytes ? "meets the error, but another is smaller" : "meets the error, but another is cheaper to composite";
   }
 

@@ -82,7 +82,7 @@ double costOf(const Score& score);
 /// maxBytes is given: the one of least surfaceRms within maxBytes (or within nothing where there is no maxBytes), those that keep to sky
 /// and sign before those that do not; then withinLimits is false if a limit was missed. An open mesh has no inside: a heightfield is tried
 /// from the side that its triangles face, and from the other where nothing from there is within the limits. Sizes of a representation are
-/// not tried beyond the first that meets the limits, nor beyond one that came no nearer to them than the size before it, nor beyond what
+/// not tried beyond the first that meets the limits, nor beyond two that came no nearer to them than the size before each, nor beyond what
 /// already costs more than a candidate that does; candidates are measured with an eighth of the samples first, and no further when that is
 /// over twice a limit. A winner with sign errors has its count in the record and in every report. Deterministic. An Error when no candidate
 /// can represent the mesh or fits maxBytes, or `progress` asked to stop
