@@ -219,12 +219,20 @@ class Chooser {
     nearest = std::min(nearest, excess(score));
     if (settings_.everything && score.error.samples < settings_.measure.samples) score.error = measure(made, probes_);
     const bool small = fits(score), good = limited() && excess(score) <= 1.0;
-    const bool dearer = within_ && costOf(score) > costOf(scores_[within_->score]);
+    const bool dearer = within_ && costOf(score) > (1.0 + kSameCost) * costOf(scores_[within_->score]);
     scores_.push_back(score);
     const std::size_t index = scores_.size() - 1;
-    if (eligible && small && good && (!within_ || costOf(score) < costOf(scores_[within_->score]))) within_ = Best{index, made};
+    if (eligible && small && good && (!within_ || precedes(score, scores_[within_->score]))) within_ = Best{index, made};
     if (eligible && small && (!closest_ || moreAccurate(score, scores_[closest_->score]))) closest_ = Best{index, made};
     return small && !good && !dearer;
+  }
+
+  /// Whether the first of two that meet the limits is to be kept.
+  bool precedes(const Score& first, const Score& second) const {
+    const double one = costOf(first), other = costOf(second);
+    const bool alike = std::max(one, other) <= (1.0 + kSameCost) * std::min(one, other);
+    const bool sameKind = first.candidate.representation == second.candidate.representation;
+    return alike && !sameKind ? excess(first) < excess(second) : one < other;
   }
 
   /// Whether the first is to be kept where none, or nothing but bytes, is within the limits.
@@ -242,7 +250,8 @@ class Chooser {
       return fmt::format("{:.3g} % of the points on the wrong side", 100.0 * signShare(score));
     }
     if (!within_) return "another is more accurate";
-    if (costOf(score) < costOf(winner)) return "not tried: the sizes before it came no nearer";
+    if (precedes(score, winner)) return "not tried: the sizes before it came no nearer";
+    if (costOf(score) < costOf(winner)) return "meets the error, but another as cheap is nearer";
     return score.bytes > winner.bytes ? "meets the error, but another is smaller" : "meets the error, but another is cheaper to composite";
   }
 

@@ -74,18 +74,21 @@ struct Choice {
   double ambiguousSign = 0.0;  ///< Probes::ambiguousSign
 };
 
+/// Costs of two representations that differ by less are the same: times of a composite are not known better.
+inline constexpr double kSameCost = 0.1;
+
 /// What a candidate costs: bytes on disk times nanoseconds in the composite, so that a tenth less of either is worth the same.
 double costOf(const Score& score);
 
-/// Bakes candidates of rising size and keeps the cheapest (costOf; ties: the order of the table) whose surfaceRms is within maxError,
-/// skyRmse within maxSkyError, share of sign errors within kMaxSignErrors and bytes within maxBytes. When none is within all, or only
-/// maxBytes is given: the one of least surfaceRms within maxBytes (or within nothing where there is no maxBytes), those that keep to sky
-/// and sign before those that do not; then withinLimits is false if a limit was missed. An open mesh has no inside: a heightfield is tried
-/// from the side that its triangles face, and from the other where nothing from there is within the limits. Sizes of a representation are
-/// not tried beyond the first that meets the limits, nor beyond two that came no nearer to them than the size before each, nor beyond what
-/// already costs more than a candidate that does; candidates are measured with an eighth of the samples first, and no further when that is
-/// over twice a limit. A winner with sign errors has its count in the record and in every report. Deterministic. An Error when no candidate
-/// can represent the mesh or fits maxBytes, or `progress` asked to stop
+/// Bakes candidates of rising size and keeps the cheapest (costOf; of two representations within kSameCost the one further within the
+/// limits) whose surfaceRms is within maxError, skyRmse within maxSkyError, share of sign errors within kMaxSignErrors and bytes within
+/// maxBytes. When none is within all, or only maxBytes is given: the one of least surfaceRms within maxBytes (or within nothing where there
+/// is no maxBytes), those that keep to sky and sign before those that do not; then withinLimits is false if a limit was missed. An open
+/// mesh has no inside: a heightfield is tried from the side that its triangles face, and from the other where nothing from there is within
+/// the limits. Sizes of a representation are not tried beyond the first that meets the limits, nor beyond two that came no nearer to them
+/// than the size before each, nor beyond what already costs more than a candidate that does; candidates are measured with an eighth of the
+/// samples first, and no further when that is over twice a limit. A winner with sign errors has its count in the record and in every
+/// report. Deterministic. An Error when no candidate can represent the mesh or fits maxBytes, or `progress` asked to stop
 /// ("interrupted").
 Result<Choice> choose(const Mesh& mesh, const ChoiceSettings& settings, const Progress& progress = {});
 
