@@ -259,7 +259,7 @@ Result<RadiusField> bakeRadius(const Mesh& mesh, const RadiusSettings& settings,
     RadiusLevel& level = field.levels.emplace_back();
     level.side = side;
     for (const Sample& s : samples)
-      level.texel.push_back({static_cast<float>(s.mean * reach), static_cast<float>(s.variance * reach * reach), 1.0f});
+      level.texel.push_back({static_cast<float>(s.mean * reach), static_cast<float>(s.variance * reach * reach), {}});
     if (side == 2) break;
     samples = filtered(samples, side, side / 2, Filter::tent);
   }

@@ -66,14 +66,16 @@ void buildLevels(const HeightField& field, HeightLevels& layer) {
   }
 }
 
-/// The height and what divides the vertical distance to it.
+/// The surface over a place.
 struct Surface {
   double height = 0.0;
-  double slope = 1.0;  ///< sqrt(1 + |grad h|^2 + rough)
+  glm::dvec2 gradient{0.0};
+  double steep = 1.0;  ///< 1 + |gradient|^2 + rough
 };
 
-/// The surface of a layer over `at`, in texels of `level` from the corner of the rectangle.
-Surface surfaceAt(const HeightField& field, const HeightLevels& layer, int level, const glm::dvec2& at) {
+/// The surface of a layer over `at`, field space about the middle of the rectangle.
+Surface surfaceAt(const HeightField& field, const HeightLevels& layer, int level, const glm::dvec2& place) {
+  const glm::dvec2 size = cellSize(field, level), at = (place + glm::dvec2(field.halfExtent)) / size;
   const glm::ivec2 cell = glm::min(glm::ivec2(at), levelSize(field, level) - 1);
   const glm::dvec2 t = at - glm::dvec2(cell), s = 1.0 - t;
   const std::array<glm::dvec2, 3> weight{0.5 * s * s, 0.5 + t * s, 0.5 * t * t}, slope{-s, 1.0 - 2.0 * t, t};
@@ -87,11 +89,30 @@ Surface surfaceAt(const HeightField& field, const HeightLevels& layer, int level
       rise += glm::dvec2(slope[i].x * weight[j].y, weight[i].x * slope[j].y) * double{texel.mean};
     }
   const double unit = field.halfExtent.z;
-  const glm::dvec2 size = cellSize(field, level);
   rise *= unit;
   const double rough = std::max(12.0 * variance * unit * unit - glm::dot(rise, rise), 0.0) / (size.x * size.y);
   const glm::dvec2 gradient = rise / size;
-  return {height * unit, std::sqrt(1.0 + glm::dot(gradient, gradient) + rough)};
+  return {height * unit, gradient, 1.0 + glm::dot(gradient, gradient) + rough};
+}
+
+/// The coarsest level that the search of a sheet reads: with at least two texels along the shorter side.
+int coarsestSearched(const HeightField& field) {
+  int level = 0;
+  while (std::min(field.size.x, field.size.y) >> (level + 1) >= 2) ++level;
+  return level;
+}
+
+/// The same of the front layer `blur` levels (not negative) above level `base`.
+Surface surfaceBlurred(const HeightField& field, int base, double blur, const glm::dvec2& place) {
+  const int coarsest = std::max(base, coarsestSearched(field));
+  const double at = std::min(base + blur, static_cast<double>(coarsest));
+  const int low = static_cast<int>(at);
+  const Surface fine = surfaceAt(field, field.front, low, place);
+  if (low == coarsest) return fine;
+  const Surface coarse = surfaceAt(field, field.front, low + 1, place);
+  const double t = at - low;
+  return {fine.height + t * (coarse.height - fine.height), fine.gradient + t * (coarse.gradient - fine.gradient),
+          fine.steep + t * (coarse.steep - fine.steep)};
 }
 
 /// Control values of the B-spline over one texel, in local units.
@@ -156,10 +177,11 @@ double patchBound(const Patch& patch, const glm::dvec2& cell, double halfHeight)
   return 1.0 + away * steepest / (2.0 * slope2 * std::sqrt(slope2));
 }
 
-double layerBound(const HeightField& field, const HeightLevels& layer, int level) {
+/// Calls visit(patch) for every texel of a layer's level.
+template <class Visit>
+void forPatches(const HeightField& field, const HeightLevels& layer, int level, const Visit& visit) {
   const glm::ivec2 size = levelSize(field, level);
   const double unit = field.halfExtent.z;
-  double largest = 1.0;
   for (int j = 0; j < size.y; ++j)
     for (int i = 0; i < size.x; ++i) {
       Patch patch;
@@ -169,20 +191,79 @@ double layerBound(const HeightField& field, const HeightLevels& layer, int level
           patch.height[y][x] = texel.mean * unit;
           patch.variance[y][x] = texel.variance * unit * unit;
         }
-      largest = std::max(largest, patchBound(patch, cellSize(field, level), unit));
+      visit(patch);
     }
+}
+
+double layerBound(const HeightField& field, const HeightLevels& layer, int level) {
+  double largest = 1.0;
+  forPatches(field, layer, level,
+             [&](const Patch& patch) { largest = std::max(largest, patchBound(patch, cellSize(field, level), field.halfExtent.z)); });
   return largest;
 }
 
-/// Signed distance at a point of the box, field space.
+/// Bound of sqrt(1 + |gradient|^2 + rough) over the levels that the search reads from this one on.
+double sheetBound(const HeightField& field, int base) {
+  double largest = 1.0;
+  for (int level = base; level <= std::max(base, coarsestSearched(field)); ++level) {
+    const glm::dvec2 cell = cellSize(field, level);
+    forPatches(field, field.front, level, [&](const Patch& patch) {
+      double variance = 0.0;
+      for (const auto& row : patch.variance)
+        for (const double v : row) variance = std::max(variance, v);
+      const double x = riseOf(patch, true).most / cell.x, y = riseOf(patch, false).most / cell.y;
+      const double wide = cell.x / cell.y;  // where heights are rough, the slopes they have count only by how far texels are from square
+      const double rough =
+          12.0 * variance / (cell.x * cell.y) + x * x * std::max(1.0 - wide, 0.0) + y * y * std::max(1.0 - 1.0 / wide, 0.0);
+      largest = std::max(largest, std::sqrt(1.0 + std::max(x * x + y * y, rough)));
+    });
+  }
+  return largest;
+}
+
+/// Signed distance of a pair at a point of the box, field space.
 double boxedDistance(const HeightField& field, const glm::dvec3& p, int level) {
-  const glm::dvec2 at = (glm::dvec2(p) + glm::dvec2(field.halfExtent)) / cellSize(field, level);
-  const Surface top = surfaceAt(field, field.front, level, at);
+  const Surface top = surfaceAt(field, field.front, level, glm::dvec2(p)), bottom = surfaceAt(field, field.back, level, glm::dvec2(p));
   const glm::dvec3 wall = glm::abs(p) - field.halfExtent;
-  const double phi = std::max({(p.z - top.height) / top.slope, wall.x, wall.y, wall.z});
-  if (field.back.empty()) return phi;
-  const Surface bottom = surfaceAt(field, field.back, level, at);
-  return std::max(phi, (bottom.height - p.z) / bottom.slope);
+  return std::max({(p.z - top.height) / std::sqrt(top.steep), (bottom.height - p.z) / std::sqrt(bottom.steep), wall.x, wall.y, wall.z});
+}
+
+/// A place seen from the closest point of the rectangle.
+struct Above {
+  glm::dvec2 place;   ///< that point
+  glm::dvec2 across;  ///< from there, horizontally
+  double up = 0.0;    ///< above the surface there
+  double straight() const { return std::hypot(glm::length(across), up); }
+};
+
+Above aboveSheet(const HeightField& field, const glm::dvec3& p, int level) {
+  const glm::dvec2 half(field.halfExtent), place = glm::clamp(glm::dvec2(p), -half, half);
+  return {place, glm::dvec2(p) - place, p.z - surfaceAt(field, field.front, level, place).height};
+}
+
+/// Distance of a sheet, field space.
+double sheetDistance(const HeightField& field, const glm::dvec3& p, int level) {
+  const glm::dvec2 half(field.halfExtent), cell = cellSize(field, level);
+  const Above above = aboveSheet(field, p, level);
+  double best = above.straight();
+  glm::dvec2 place = above.place;
+  double height = p.z - above.up;
+  for (int step = 0; step < kSheetSteps; ++step) {
+    const double blur = std::log2(std::max(kSheetBlur[step] * best / std::max(cell.x, cell.y), 1.0));
+    const Surface near = surfaceBlurred(field, level, blur, place);
+    if (step > 0) height = near.height;
+    // The closest point of the tangent plane over the rectangle.
+    const double flat = 1.0 + glm::dot(near.gradient, near.gradient);
+    const double behind = p.z - height - glm::dot(near.gradient, glm::dvec2(p) - place);
+    const glm::dvec2 foot = glm::clamp(glm::dvec2(p) + near.gradient * (behind / flat), -half, half);
+    if (step == 0) {
+      const double up = p.z - height - glm::dot(near.gradient, foot - place);
+      best = std::min(best, std::hypot(glm::length(glm::dvec2(p) - foot), up * std::sqrt(flat / near.steep)));
+    }
+    place = foot;
+  }
+  const glm::dvec2 across = glm::dvec2(p) - place;
+  return std::min(best, std::hypot(glm::length(across), p.z - surfaceAt(field, field.front, level, place).height));
 }
 
 }  // namespace
@@ -235,6 +316,7 @@ HeightTexel texelBeyond(const HeightField& field, const HeightLevels& layer, int
 double sampleHeightField(const HeightField& field, const glm::dvec3& point, int level) {
   const glm::dvec3 p = (point - field.origin) * field.localFromField;
   const glm::dvec3 q = glm::clamp(p, -field.halfExtent, field.halfExtent);
+  if (field.back.empty()) return std::max(sheetDistance(field, p, level), glm::length(p - q));
   const double phi = boxedDistance(field, q, level);
   if (p == q) return phi;
   const glm::dvec3 beyond = p - q;
@@ -244,10 +326,18 @@ double sampleHeightField(const HeightField& field, const glm::dvec3& point, int 
   return std::hypot(gap + cosine * phi, std::sqrt(1.0 - cosine * cosine) * phi);
 }
 
+glm::dvec2 sheetRange(const HeightField& field, const glm::dvec3& point, int level) {
+  OVERCAST_REQUIRE(field.back.empty(), "a sheet of {} back layers", field.back.size());
+  const glm::dvec3 p = (point - field.origin) * field.localFromField;
+  const double gap = glm::length(p - glm::clamp(p, -field.halfExtent, field.halfExtent));
+  const double straight = aboveSheet(field, p, level).straight();
+  return {std::max(straight / sheetBound(field, level), gap), std::max(straight, gap)};
+}
+
 double lipschitzBound(const HeightField& field, int level) {
   OVERCAST_REQUIRE(isWhole(field), "a heightfield of {} x {} texels is not whole", field.size.x, field.size.y);
-  const double front = layerBound(field, field.front, level);
-  return field.back.empty() ? front : std::max(front, layerBound(field, field.back, level));
+  if (field.back.empty()) return sheetBound(field, level);
+  return std::max(layerBound(field, field.front, level), layerBound(field, field.back, level));
 }
 
 HeightField asStored(HeightField field) {

@@ -1,9 +1,9 @@
 // `heightfield`: heights over a rectangle, single sided or two layers back to back, as a signed distance (DESIGN 5.1 no. 3; Evans 2006,
 // section 9.8), stored as mipmapped OpenEXR (DESIGN 4).
 //
-// Field space: x and y along the rectangle, z up, the middle of the field's box at 0. What is inside: within the rectangle, the points
-// below the front layer and above the back layer; of a field without back layer those down to the bottom of the box, a closed slab. The
-// sides of the box are walls. Open terrain thus becomes a block as thick as its relief plus what the baker adds below.
+// Field space: x and y along the rectangle, z up, the middle of the field's box at 0. A field without back layer is a sheet: it has no
+// inside, its distance is never negative. Of a pair what lies within the rectangle below the front layer and above the back layer is
+// inside, and the sides of the box are walls.
 #pragma once
 
 #include <cstdint>
@@ -59,20 +59,40 @@ Box bounds(const HeightField& field);
 /// that a plane remains one up to the walls.
 HeightTexel texelBeyond(const HeightField& field, const HeightLevels& layer, int level, int i, int j);
 
-/// Signed distance, local units, at `point` (local space, finite), from the texels of `level`. With h and its slope the quadratic B-spline
-/// over the 3 x 3 nearest texels (which smooths heights by cell^2 / 6 times their second derivative), v the variance likewise,
-///   front = (z - h) / sqrt(1 + |grad h|^2 + rough),   back = (h_back - z) / sqrt(...),   walls = |x| - halfExtent.x and so on for y and z,
-/// and the largest of them is the distance: first order, exact for planes. `rough` is the squared slope that the variance holds beyond that
-/// of a plane, (12 v - sum of (grad h * cell)^2) / (cell.x * cell.y), not below 0: the variance of a plane of slope s over a cell is (s
-/// cell)^2 / 12. It widens the falloff where heights scatter (Evans 2006, section 9.8, after Donnelly and Lauritzen's variance maps).
-/// Outside the box it goes on as sampleVolume does, the slope taken over the longer side of a finest texel; at the box the distance is
+/// Distance, local units, at `point` (local space, finite), from the texels of `level` and coarser ones. h and its gradient are the
+/// quadratic B-spline over the 3 x 3 nearest texels (which smooths heights by cell^2 / 6 times their second derivative), v the variance
+/// likewise. `rough` is the squared slope that the variance holds beyond that of a plane, (12 v - sum of (grad h * cell)^2) / (cell.x *
+/// cell.y), not below 0: the variance of a plane of slope s over a cell is (s cell)^2 / 12. It widens the falloff where heights scatter
+/// (Evans 2006, section 9.8, after Donnelly and Lauritzen's variance maps).
+///
+/// A sheet: the smaller of two distances. From the point of the surface over the closest point of the rectangle, a horizontally and z - h
+/// vertically away,
+///   1. the first-order distance, to the closest point over the rectangle of the tangent plane there, its vertical part times
+///      sqrt((1 + |grad h|^2) / (1 + |grad h|^2 + rough)); exact for planes;
+///   2. that of the point of the surface which kSheetSteps such steps find.
+/// Gradients, and the planes after the first, come from blurred levels, linear between two of them, whose texels are kSheetBlur of the
+/// distance so far: from far away the surface is smooth. Never less than the distance to the box.
+///
+/// A pair: within the box first order, the largest of
+///   front = (z - h) / sqrt(1 + |grad h|^2 + rough),   back = (h_back - z) / sqrt(...),   walls = |x| - halfExtent.x and so on for y and z;
+/// outside it goes on as sampleVolume does, the slope taken over the longer side of a finest texel; at the box the distance is
 /// never negative, it has walls. Continuous everywhere.
 double sampleHeightField(const HeightField& field, const glm::dvec3& point, int level = 0);
 
-/// A Lipschitz constant, at least 1, over all of space of sampleHeightField's lower bound: itself within the box, c = 0 beyond it
-/// (volume.h). First-order distances lose their slope where that of the surface changes: over each texel |grad phi| <= 1 + |z - h| |grad q|
-/// / (2 sqrt(1 + q)^3) with q = |grad h|^2 + rough, each factor bounded by the B-spline's control values. Near 1 for smooth
-/// ground, in the hundreds and more where it is steep and jagged: such a field is culled nowhere.
+inline constexpr int kSheetSteps = 2;
+inline constexpr double kSheetBlur[kSheetSteps] = {0.35, 0.2};
+
+/// A lower and an upper bound of a sheet's distance that cost one look at `level`: |(a, z - h)| / S or the distance to the box, and |(a, z
+/// - h)|. `field` has no back layer.
+glm::dvec2 sheetRange(const HeightField& field, const glm::dvec3& point, int level = 0);
+
+/// What the composite's culling takes its margins from (runtime/passes/composite/composite.h), at least 1.
+/// Of a sheet S = sqrt(1 + |grad h|^2 + rough), the largest over this level and those that the search reads, bounded by the B-spline's
+/// control values: a Lipschitz constant over all of space of sheetRange's upper bound; its lower bound has 1.
+/// Of a pair a Lipschitz constant of sampleHeightField's lower bound: itself within the box, c = 0 beyond it (volume.h). First-order
+/// distances lose their slope where that of the surface changes: over each texel |grad phi| <= 1 + |z - h| |grad q| / (2 sqrt(1 + q)^3)
+/// with q = |grad h|^2 + rough, each factor bounded by the B-spline's control values. Near 1 for smooth ground, in the hundreds and more
+/// where it is steep and jagged.
 double lipschitzBound(const HeightField& field, int level = 0);
 
 /// The field as readHeightField gives it back after writeHeightField: texels rounded to half floats. Errors are measured on this.

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numbers>
 
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
@@ -12,50 +13,97 @@
 namespace overcast {
 namespace {
 
-struct MeanAndFalloff {
-  double mean;
-  double falloff;
+/// What a level says of a direction.
+struct Look {
+  double mean = 0.0;
+  glm::dvec3 slope{0.0};
 };
 
 /// Bilinear interpolation in a direction of any length.
-MeanAndFalloff interpolate(const RadiusLevel& level, const glm::dvec3& direction) {
+Look look(const RadiusLevel& level, const glm::dvec3& direction) {
   const glm::vec3 d(direction / std::max({std::abs(direction.x), std::abs(direction.y), std::abs(direction.z), 1e-300}));
   const unsigned face = shared::cubeFace(d);
   const glm::dvec2 at = (glm::dvec2(shared::cubeCoordinates(face, d)) * 0.5 + 0.5) * double(level.side - 1);
   const glm::ivec2 cell = glm::clamp(glm::ivec2(at), glm::ivec2(0), glm::ivec2(level.side - 2));
   const glm::dvec2 t = at - glm::dvec2(cell);
   const std::size_t first = texelIndex(level.side, face, cell.x, cell.y), next = first + static_cast<std::size_t>(level.side);
-  const auto mix = [&](auto value) {
-    const double low = value(level.texel[first]) * (1.0 - t.x) + value(level.texel[first + 1]) * t.x;
-    const double high = value(level.texel[next]) * (1.0 - t.x) + value(level.texel[next + 1]) * t.x;
-    return low * (1.0 - t.y) + high * t.y;
+  Look sum;
+  const auto add = [&](std::size_t texel, double weight) {
+    sum.mean += weight * level.texel[texel].mean;
+    sum.slope += weight * glm::dvec3(level.texel[texel].slope);
   };
-  return {mix([](const RadiusTexel& texel) { return double{texel.mean}; }),
-          mix([](const RadiusTexel& texel) { return double{texel.falloff}; })};
+  add(first, (1.0 - t.x) * (1.0 - t.y));
+  add(first + 1, t.x * (1.0 - t.y));
+  add(next, (1.0 - t.x) * t.y);
+  add(next + 1, t.x * t.y);
+  return sum;
 }
 
-double firstOrderDistance(const RadiusLevel& level, const glm::dvec3& fromCentre) {
-  const double rho = glm::length(fromCentre), core = kRadiusCore * level.smallest;
-  const double s = std::max(rho, core);
-  const MeanAndFalloff here = interpolate(level, fromCentre);
-  const double lowest = std::max(-level.smallest - s, s - level.largest);
-  const double phi = std::clamp((s - here.mean) * here.falloff, lowest, s - level.smallest);
-  return -level.smallest + std::min(rho / core, 1.0) * (phi + level.smallest);
+/// The same `blur` levels (not negative) above level `base`.
+Look lookBlurred(const RadiusField& field, std::size_t base, double blur, const glm::dvec3& direction) {
+  const double at = std::min(static_cast<double>(base) + blur, static_cast<double>(field.levels.size() - 1));
+  const auto low = static_cast<std::size_t>(at);
+  const Look fine = look(field.levels[low], direction);
+  if (low + 1 == field.levels.size()) return fine;
+  const Look coarse = look(field.levels[low + 1], direction);
+  const double t = at - static_cast<double>(low);
+  return {fine.mean + t * (coarse.mean - fine.mean), fine.slope + t * (coarse.slope - fine.slope)};
 }
 
-/// Squared length of the gradient of the mean over directions, per radian, by central differences one texel each way.
-double squaredSlope(const RadiusLevel& level, const glm::dvec3& direction) {
+/// Gradient of the mean over directions, per radian, by central differences one texel each way.
+glm::dvec3 meanGradient(const RadiusLevel& level, const glm::dvec3& direction) {
   const glm::dvec3 d = glm::normalize(direction);
   const glm::dvec3 across = std::abs(d.x) < std::abs(d.y) ? glm::dvec3(1.0, 0.0, 0.0) : glm::dvec3(0.0, 1.0, 0.0);
   const glm::dvec3 u = glm::normalize(glm::cross(d, across));
   const double step = texelAngle(level.side, d);
-  double sum = 0.0;
+  glm::dvec3 gradient(0.0);
   for (const glm::dvec3& axis : {u, glm::cross(d, u)}) {
     const glm::dvec3 along = axis * std::tan(step);
-    const double slope = (interpolate(level, d + along).mean - interpolate(level, d - along).mean) / (2.0 * step);
-    sum += slope * slope;
+    gradient += axis * ((look(level, d + along).mean - look(level, d - along).mean) / (2.0 * step));
   }
-  return sum;
+  return gradient;
+}
+
+double coreOf(const RadiusLevel& level) {
+  return kRadiusCore * level.smallest;
+}
+
+/// A value at distance s from the centre within what solids between the two spheres allow.
+double betweenSpheres(const RadiusLevel& level, double s, double phi) {
+  return std::clamp(phi, std::max(-level.smallest - s, s - level.largest), s - level.smallest);
+}
+
+/// The signed distance at `p`, outside the core, about the centre, by the search that radius.h describes.
+double searchedDistance(const RadiusField& field, std::size_t base, const glm::dvec3& p) {
+  const RadiusLevel& level = field.levels[base];
+  const double s = glm::length(p), texel = 0.5 * std::numbers::pi / (level.side - 1);
+  glm::dvec3 d = p / s;
+  const double v = s - look(level, d).mean;
+  double best = std::abs(v);
+  for (int step = 0; step < kRadiusSteps; ++step) {
+    const Look near = lookBlurred(field, base, std::log2(std::max(kRadiusBlur[step] * best / (s * texel), 1.0)), d);
+    if (step == 0) best = std::abs(v) / std::sqrt(1.0 + glm::dot(near.slope, near.slope) / (near.mean * s));
+    // Newton's step of |p - r d|^2 over directions: the Hessian is g g^T + r (p . d) I, inverted by Sherman and Morrison's formula.
+    const glm::dvec3 g = near.slope - d * glm::dot(near.slope, d);
+    constexpr double kLeastCosine = 0.25;
+    const double along = glm::dot(p, d), diagonal = near.mean * std::max(along, kLeastCosine * s);
+    const glm::dvec3 gain = g * (along - near.mean) + near.mean * (p - d * along);
+    d = glm::normalize(d + (gain - g * (glm::dot(g, gain) / (diagonal + glm::dot(g, g)))) / diagonal);
+  }
+  best = std::min(best, glm::length(p - look(level, d).mean * d));
+  best = std::max(best, level.gentlest * std::abs(v));
+  return v < 0.0 ? -best : best;
+}
+
+/// Draws `outside`, values at points outside the core, out to the centre, and keeps them at least as large as the distance to the box.
+template <class Outside>
+double everywhere(const RadiusLevel& level, const glm::dvec3& fromCentre, const Outside& outside) {
+  const double rho = glm::length(fromCentre), core = coreOf(level), s = std::max(rho, core);
+  const glm::dvec3 p = rho > 0.0 ? fromCentre * (s / rho) : glm::dvec3(s, 0.0, 0.0);
+  const double phi = betweenSpheres(level, s, outside(p, s));
+  const double gap = glm::length(fromCentre - glm::clamp(fromCentre, level.box.min, level.box.max));
+  const double blended = -level.smallest + std::min(rho / core, 1.0) * (phi + level.smallest);
+  return gap > 0.0 ? std::max(blended, gap) : blended;
 }
 
 /// Calls visit(corners, face, i, j) for every cell of every face, corners as {(i, j), (i + 1, j), (i, j + 1), (i + 1, j + 1)}.
@@ -86,44 +134,19 @@ void deriveBox(RadiusLevel& level) {
   level.box.max += kRadiusPadding * level.largest;
 }
 
-/// Lowers falloffs until none differs from another by more than kFalloffSlope times the angle between them, by sweeps along the faces and
-/// an exchange over the edges. Lower ones only draw distances towards zero.
-void limitFalloff(RadiusLevel& level) {
-  const int n = level.side;
-  std::vector<glm::dvec3> unit(level.texel.size());
-  std::vector<std::size_t> standsFor(level.texel.size());
-  for (unsigned face = 0; face < shared::kCubeFaces; ++face)
-    for (int j = 0; j < n; ++j)
-      for (int i = 0; i < n; ++i) {
-        const glm::dvec3 direction = texelDirection(n, face, i, j);
-        unit[texelIndex(n, face, i, j)] = glm::normalize(direction);
-        standsFor[texelIndex(n, face, i, j)] = texelTowards(n, direction);
-      }
-  bool changed = true;
-  const auto lower = [&](std::size_t at, float value) {
-    if (!(value < level.texel[at].falloff)) return;
-    level.texel[at].falloff = value;
-    changed = true;
-  };
-  const auto from = [&](std::size_t at, std::size_t other) {
-    lower(at, level.texel[other].falloff + static_cast<float>(kFalloffSlope * glm::length(unit[at] - unit[other])));
-  };
-  const auto row = static_cast<std::size_t>(n), perFace = row * row;
-  while (changed) {
-    changed = false;
-    for (std::size_t first = 0; first < level.texel.size(); first += perFace) {
-      for (std::size_t i = 0; i < perFace; ++i) {
-        if (i % row > 0) from(first + i, first + i - 1);
-        if (i >= row) from(first + i, first + i - row);
-      }
-      for (std::size_t i = perFace; i-- > 0;) {
-        if (i % row + 1 < row) from(first + i, first + i + 1);
-        if (i + row < perFace) from(first + i, first + i + row);
-      }
-    }
-    for (std::size_t i = 0; i < level.texel.size(); ++i) lower(standsFor[i], level.texel[i].falloff);
-    for (std::size_t i = 0; i < level.texel.size(); ++i) lower(i, level.texel[standsFor[i]].falloff);
-  }
+/// Largest gradient over directions of a bilinear mean: from differences along the edges of each cell and the metric of the face,
+/// (1 + |x|^2) (I + x x^T).
+void deriveSteepest(RadiusLevel& level) {
+  const double width = 2.0 / (level.side - 1);
+  level.steepest = 0.0;
+  forCells(level, [&](const std::array<const RadiusTexel*, 4>& corner, unsigned, int i, int j) {
+    const auto farthest = [&](int k) { return std::max(std::abs(-1.0 + k * width), std::abs(-1.0 + (k + 1) * width)); };
+    const auto difference = [&](std::size_t a, std::size_t b) { return std::abs(double{corner[a]->mean} - corner[b]->mean) / width; };
+    const glm::dvec2 x(farthest(i), farthest(j));
+    const glm::dvec2 g(std::max(difference(0, 1), difference(2, 3)), std::max(difference(0, 2), difference(1, 3)));
+    const double radial = glm::dot(x, g);
+    level.steepest = std::max(level.steepest, std::sqrt((1.0 + glm::dot(x, x)) * (glm::dot(g, g) + radial * radial)));
+  });
 }
 
 /// `footprint` is the variance of the texel's filter along one axis in squared texels.
@@ -138,67 +161,17 @@ void derive(RadiusLevel& level, double footprint) {
   }
   level.smallest = std::max(level.smallest, 0.5 * leastMean);
   deriveBox(level);
+  deriveSteepest(level);
   for (unsigned face = 0; face < shared::kCubeFaces; ++face)
     for (int j = 0; j < level.side; ++j)
       for (int i = 0; i < level.side; ++i) {
         RadiusTexel& texel = level.texel[texelIndex(level.side, face, i, j)];
         const glm::dvec3 direction = texelDirection(level.side, face, i, j);
         const double angle = texelAngle(level.side, glm::normalize(direction));
-        const double rough = texel.variance / (footprint * angle * angle);
-        const double steep = std::max(squaredSlope(level, direction), rough) / (double{texel.mean} * texel.mean);
-        texel.falloff = static_cast<float>(1.0 / std::sqrt(1.0 + steep));
+        const glm::dvec3 gradient = meanGradient(level, direction);
+        const double rough = texel.variance / (footprint * angle * angle) - glm::dot(gradient, gradient);
+        texel.slope = glm::vec3(gradient + std::sqrt(std::max(rough, 0.0)) * glm::normalize(direction));
       }
-  limitFalloff(level);
-}
-
-/// Ranges over one cell of a face.
-struct Cell {
-  double meanLow, meanHigh, falloffLow, falloffHigh;
-  double meanSlope, falloffSlope;  ///< largest gradients over directions, per radian
-};
-
-Cell cellOf(const std::array<const RadiusTexel*, 4>& corner, int side, int i, int j) {
-  const double width = 2.0 / (side - 1);
-  const auto farthest = [&](int k) { return std::max(std::abs(-1.0 + k * width), std::abs(-1.0 + (k + 1) * width)); };
-  const glm::dvec2 x(farthest(i), farthest(j));
-  const auto slope = [&](auto value) {
-    const auto difference = [&](int a, int b) { return std::abs(value(*corner[std::size_t(a)]) - value(*corner[std::size_t(b)])) / width; };
-    const glm::dvec2 g(std::max(difference(0, 1), difference(2, 3)), std::max(difference(0, 2), difference(1, 3)));
-    const double radial = glm::dot(x, g);
-    return std::sqrt((1.0 + glm::dot(x, x)) * (glm::dot(g, g) + radial * radial));
-  };
-  const auto mean = [](const RadiusTexel& t) { return double{t.mean}; };
-  const auto falloff = [](const RadiusTexel& t) { return double{t.falloff}; };
-  Cell cell{1e300, 0.0, 1.0, 0.0, slope(mean), slope(falloff)};
-  for (const RadiusTexel* t : corner) {
-    cell.meanLow = std::min(cell.meanLow, mean(*t));
-    cell.meanHigh = std::max(cell.meanHigh, mean(*t));
-    cell.falloffLow = std::min(cell.falloffLow, falloff(*t));
-    cell.falloffHigh = std::max(cell.falloffHigh, falloff(*t));
-  }
-  return cell;
-}
-
-/// Largest gradient of the first-order formula over a cell, for radii up to `reach`, where it is not cut off.
-double largestGradient(const Cell& cell, const RadiusLevel& level, double reach) {
-  // Where each of the three cuts leaves the formula alone; each follows from its inequality solved for rho, at the worst corner of the
-  // ranges.
-  const double g = cell.falloffHigh;
-  double low = std::max(kRadiusCore * level.smallest, (cell.meanLow * cell.falloffLow - level.smallest) / (1.0 + cell.falloffLow));
-  double high = reach;
-  if (g < 1.0) {
-    low = std::max(low, (level.smallest - cell.meanHigh * g) / (1.0 - g));
-    high = std::min(high, (level.largest - cell.meanLow * g) / (1.0 - g));
-  }
-  if (low > high) return 1.0;
-  // Within the core the gradient is that at its border, but for its part along the ray, which is at most 1.
-  const double along = low > kRadiusCore * level.smallest ? g : 1.0;
-  // |rho - r| / rho and 1 / rho are convex in 1 / rho: the ends decide.
-  const auto across = [&](double rho) {
-    const double away = std::max(std::abs(rho - cell.meanLow), std::abs(rho - cell.meanHigh));
-    return (away * cell.falloffSlope + g * cell.meanSlope) / rho;
-  };
-  return std::hypot(along, std::max(across(low), across(high)));
 }
 
 }  // namespace
@@ -239,6 +212,13 @@ void derive(RadiusField& field) {
     }
     derive(field.levels[l], footprint);
   }
+  double longest = 0.0;
+  for (auto level = field.levels.rbegin(); level != field.levels.rend(); ++level) {
+    for (const RadiusTexel& texel : level->texel) longest = std::max(longest, glm::length(glm::dvec3(texel.slope)));
+    // Lateral distances are at least 2 / pi of the arc.
+    const double k = std::max(0.5 * std::numbers::pi * level->steepest, longest);
+    level->gentlest = 1.0 / std::sqrt(1.0 + k * k / (coreOf(*level) * level->smallest));
+  }
 }
 
 bool isWhole(const RadiusField& field) {
@@ -252,7 +232,7 @@ bool isWhole(const RadiusField& field) {
     if (!(level.smallest > 0.0) || !(level.largest <= kLargestRadiusRatio * level.smallest)) return false;
     for (const RadiusTexel& t : level.texel)
       if (!(t.mean >= level.smallest) || !(t.mean <= level.largest) || !(t.variance >= 0.0f) || !std::isfinite(t.variance) ||
-          !(t.falloff > 0.0f) || !(t.falloff <= 1.0f))
+          !std::isfinite(glm::dot(glm::dvec3(t.slope), glm::dvec3(t.slope))))
         return false;
   }
   return field.levels.back().side == 2;
@@ -264,26 +244,26 @@ Box bounds(const RadiusField& field) {
 }
 
 double sampleRadius(const RadiusField& field, const glm::dvec3& point, int level) {
-  const RadiusLevel& chosen = field.levels[static_cast<std::size_t>(level)];
-  const glm::dvec3 fromCentre = point - field.centre;
-  const glm::dvec3 closest = glm::clamp(fromCentre, chosen.box.min, chosen.box.max);
-  const double phi = firstOrderDistance(chosen, closest);
-  const double beyond = glm::length(fromCentre - closest);
-  if (beyond == 0.0) return phi;
-  // Never negative on the border of the box, where the closest point is far from the centre.
-  const double cosine = std::max(glm::dot(fromCentre - closest, closest) / (beyond * glm::length(closest)), 0.0);
-  return std::sqrt(beyond * beyond + phi * phi + 2.0 * beyond * phi * std::min(cosine, 1.0));
+  const auto base = static_cast<std::size_t>(level);
+  return everywhere(field.levels[base], point - field.centre,
+                    [&](const glm::dvec3& p, double) { return searchedDistance(field, base, p); });
+}
+
+glm::dvec2 radiusRange(const RadiusField& field, const glm::dvec3& point, int level) {
+  const RadiusLevel& base = field.levels[static_cast<std::size_t>(level)];
+  const auto bound = [&](bool upper) {
+    return everywhere(base, point - field.centre, [&](const glm::dvec3& p, double s) {
+      const double v = s - look(base, p).mean;
+      return (v > 0.0) == upper ? v : base.gentlest * v;
+    });
+  };
+  return {bound(false), bound(true)};
 }
 
 double lipschitzBound(const RadiusField& field, int level) {
   OVERCAST_REQUIRE(isWhole(field), "a radius field of {} levels is not whole", field.levels.size());
   const RadiusLevel& chosen = field.levels[static_cast<std::size_t>(level)];
-  const double reach = glm::length(glm::max(chosen.box.max, -chosen.box.min));
-  double largest = 1.0;
-  forCells(chosen, [&](const std::array<const RadiusTexel*, 4>& corner, unsigned, int i, int j) {
-    largest = std::max(largest, largestGradient(cellOf(corner, chosen.side, i, j), chosen, reach));
-  });
-  return largest;
+  return std::hypot(1.0, chosen.steepest / coreOf(chosen));
 }
 
 }  // namespace overcast

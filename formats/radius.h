@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <vector>
 
+#include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
 
 #include "formats/mesh.h"
@@ -18,7 +19,7 @@ struct RadiusTexel {
   float mean = 0.0f;      ///< mean distance of the surface from the centre, positive
   float variance = 0.0f;  ///< of that distance over the texel's footprint: second moment minus mean squared, kept apart from them because
                           ///< their difference loses everything in half floats (PITFALLS "Numbers")
-  float falloff = 1.0f;   ///< 1 / sqrt(1 + s^2) in (0, 1], see derive; not stored
+  glm::vec3 slope{0.0f};  ///< how steep the surface is here, per radian, see derive; not stored
 };
 
 /// Six faces of side x side texels in the order and places of formats/shared/cube_map.h: texel[i + side * (j + side * face)]. Texels on
@@ -29,6 +30,8 @@ struct RadiusLevel {
   // Derived from the texels by derive(), not stored:
   double smallest = 0.0;  ///< of mean - sqrt(3 variance), the least radius of a slope with that variance; at least half of the least mean
   double largest = 0.0;   ///< of mean + sqrt(3 variance)
+  double steepest = 0.0;  ///< bound of the gradient over directions of the interpolated mean, per radian
+  double gentlest = 1.0;  ///< the least share of |v| that a distance is, see sampleRadius
   Box box;  ///< around the surface |p| = r(direction) as interpolated, about the centre, with a margin of kRadiusPadding of the largest
             ///< radius
 };
@@ -56,38 +59,45 @@ inline constexpr int kLargestRadiusSide = 128;
 /// Up to this share of a level's smallest radius about the centre, the distance is drawn out linearly from its value at the centre: there
 /// directions turn too fast for the first-order formula.
 inline constexpr double kRadiusCore = 0.9;
-inline constexpr double kFalloffSlope = 1.0;
 /// Largest ratio of largest to smallest radius: beyond it the centre is as good as on the surface.
 inline constexpr double kLargestRadiusRatio = 1e4;
 
-/// Sides and counts as above, means positive and finite within kLargestRadiusRatio, variances finite and not negative, falloffs within
-/// (0, 1], what is derived as derive() gives.
+/// Sides and counts as above, means positive and finite within kLargestRadiusRatio, variances finite and not negative, slopes finite, what
+/// is derived as derive() gives.
 bool isWhole(const RadiusField& field);
 
-/// Fills in what is derived of every level from mean and variance; all are positive, finite and as many as the sides say. For the falloff,
-/// s^2 r^2 is the larger of |grad_s r|^2 (central differences of the means over directions, one texel each way, right across edges of the
-/// cube) and the squared slope that would give the stored variance over the texel's footprint: on smooth surfaces both are the same; on
-/// rough ones, and on the blurred levels, the variance widens the falloff.
-/// It is then lowered where it would change by more than kFalloffSlope per radian: away from the surface a falloff that jumps
-/// from texel to texel makes distances that jump, and leaves no bound to cull by.
+/// Fills in what is derived of every level from mean and variance; all are positive, finite and as many as the sides say. Of a slope the
+/// part across the texel's direction is the gradient of the means over directions (central differences one texel each way, right across
+/// edges of the cube); the part along the direction makes its length that of the slope which would give the stored variance over the
+/// texel's footprint, where that is larger. On smooth surfaces there is none; on rough ones, and on the blurred levels, the variance widens
+/// the falloff (Evans 2006, section 9.8).
 void derive(RadiusField& field);
 
 /// The box of the finest level, local space.
 Box bounds(const RadiusField& field);
 inline constexpr double kRadiusPadding = 0.125;
 
-/// Distance at `point` (local space, finite), local units. Within the box first-order: (rho - r) falloff with rho = |p - centre| and r and
-/// falloff interpolated bilinearly, kept within what a solid that holds the ball of the smallest radius and lies in that of the largest one
-/// allows: -r_min - rho and rho - r_max from below, rho - r_min from above; towards the centre, within rho_0 = kRadiusCore r_min, linear
-/// between -r_min (exact) at the centre and the value at rho_0. Beyond the box, with q the closest point of the
-/// box and g the gap, sqrt(g^2 + phi(q)^2 + 2 g phi(q) c) as for volumes, where c is the cosine of the angle between the gap and the
-/// direction from the centre to q, at least 0: exact for spheres. Continuous everywhere.
+/// Distance at `point` (local space, finite), local units, by a short search for the closest point of the surface |p| = r(direction) of
+/// `level`. With rho = |p - centre|, at least rho_0 = kRadiusCore r_min, v = rho - r towards the point and g the slope there:
+///   1. the first-order distance |v| / sqrt(1 + |g|^2 / (r rho)), which is that of DESIGN 5.1 at the surface and, far from it, what one
+///      Newton step of the squared distance over directions gains;
+///   2. kRadiusSteps such steps, the last of which ends at a point of the surface: the distance of that point.
+/// The smaller of both is the distance. r and g of the steps come from blurred levels, linear between two of them, whose texels are
+/// kRadiusBlur of the distance so far: from far away the surface is smooth. Negative where v is. It is kept within what is known for sure:
+/// -r_min - rho and rho - r_max from below, rho - r_min from above, the distance to the level's box from below, and gentlest |v| from
+/// below: gentlest = 1 / sqrt(1 + k^2 / (rho_0 r_min)) with k the larger of pi / 2 steepest (a surface that is nowhere steeper has no
+/// nearer point) and the longest slope of this level and the coarser ones. Towards the centre, within rho_0, linear between -r_min (exact)
+/// at the centre and the value at rho_0. Continuous everywhere.
 double sampleRadius(const RadiusField& field, const glm::dvec3& point, int level = 0);
 
-/// A Lipschitz constant over all of space of sampleRadius within the box and of its lower bound (c = 0) beyond it, at least 1: over every
-/// cell and every rho at which the first-order formula is not cut off, the gradient has falloff along the ray and |(rho - r) grad falloff -
-/// falloff grad r| / rho across it, where gradients over directions follow from differences along the cell's edges and the metric of the
-/// face, (1 + |x|^2) (I + x x^T).
+inline constexpr int kRadiusSteps = 2;
+inline constexpr double kRadiusBlur[kRadiusSteps] = {0.25, 0.125};
+
+/// A lower and an upper bound of sampleRadius that cost one look at `level`: what is known for sure, and v instead of the distance.
+glm::dvec2 radiusRange(const RadiusField& field, const glm::dvec3& point, int level = 0);
+
+/// A Lipschitz constant over all of space of both bounds of radiusRange, at least 1: sqrt(1 + (steepest / rho_0)^2). The composite's
+/// culling takes its margins from it (runtime/passes/composite/composite.h).
 double lipschitzBound(const RadiusField& field, int level = 0);
 
 /// The field as readRadius gives it back after writeRadius: means and variances rounded, falloffs derived from these.

@@ -22,7 +22,7 @@ inline RadiusField fieldOf(const reference::RadiusFunction& radius, int side, co
       for (int j = 0; j < side; ++j)
         for (int i = 0; i < side; ++i) {
           const double r = radius(glm::normalize(texelDirection(side, face, i, j)));
-          level.texel.push_back({static_cast<float>(r), variance, 1.0f});
+          level.texel.push_back({static_cast<float>(r), variance, {}});
         }
   }
   derive(field);

@@ -1,4 +1,4 @@
-// Radius fields: cube map convention, first-order distance against closed forms and its bounds, files.
+// Radius fields: cube map convention, distance against closed forms and its bounds, files.
 #include "formats/radius.h"
 
 #include <cmath>
@@ -80,25 +80,67 @@ TEST(Radius, SphereAboutItsCentreIsExactEverywhereInTheBox) {
   }
 }
 
-TEST(Radius, ConvergesToTheFirstOrderDistanceOfClosedForms) {
-  // Gentle ones, whose falloff never turns faster than kFalloffSlope.
-  const RadiusFunction functions[] = {reference::sphereRadius({0.3, 0.1, -0.2}, 1.0), reference::ellipsoidRadius({1.0, 0.8, 0.9}),
+/// The distance of the closest of many points of the surface, refined about the best of a coarse lattice of directions.
+double searchedByForce(const RadiusFunction& radius, const glm::dvec3& p) {
+  const auto squared = [&](const glm::dvec3& d) {
+    const glm::dvec3 unit = glm::normalize(d), apart = p - radius(unit) * unit;
+    return glm::dot(apart, apart);
+  };
+  glm::dvec3 best(1.0, 0.0, 0.0);
+  for (unsigned face = 0; face < 6; ++face)
+    for (int j = 0; j < 24; ++j)
+      for (int i = 0; i < 24; ++i)
+        if (const glm::dvec3 d = texelDirection(24, face, i, j); squared(d) < squared(best)) best = glm::normalize(d);
+  for (double step = 0.1; step > 1e-7; step *= 0.5)
+    for (bool moved = true; moved;) {
+      moved = false;
+      for (int axis = 0; axis < 3; ++axis)
+        for (const double sign : {-1.0, 1.0}) {
+          glm::dvec3 other = best;
+          other[axis] += sign * step;
+          if (squared(other) >= squared(best)) continue;
+          best = glm::normalize(other);
+          moved = true;
+        }
+    }
+  const double distance = std::sqrt(squared(best));
+  return glm::length(p) < radius(glm::normalize(p)) ? -distance : distance;
+}
+
+TEST(Radius, ErrorFallsWithSizeOnSmoothShapes) {
+  const RadiusFunction functions[] = {reference::sphereRadius({0.3, 0.1, -0.2}, 1.0), reference::ellipsoidRadius({1.0, 0.6, 0.8}),
                                       [](const glm::dvec3& d) { return 1.0 + 0.1 * std::sin(3.0 * d.x + 2.0 * d.y + 1.0); }};
   for (const RadiusFunction& radius : functions) {
-    double before = 1e300;
-    for (const int side : {16, 32, 64, 128}) {
-      const RadiusField field = fieldOf(radius, side);
-      std::mt19937 random(3);
-      double worst = 0.0;
-      for (int n = 0; n < 400; ++n) {
-        const glm::dvec3 d = randomUnit(random);
-        const glm::dvec3 p = radius(d) * (0.9 + 0.2 * (n % 11) / 10.0) * d;
-        worst = std::max(worst, std::abs(sampleRadius(field, p) - reference::firstOrderDistance(radius, p)));
-      }
-      EXPECT_LT(worst, 0.4 * before) << "second order: a quarter each time";
-      before = worst;
+    std::vector<glm::dvec3> points;
+    std::vector<double> exact;
+    std::mt19937 random(3);
+    for (int n = 0; n < 300; ++n) {
+      const glm::dvec3 d = randomUnit(random);
+      points.push_back(radius(d) * (0.95 + 0.1 * (n % 11) / 10.0) * d);
+      exact.push_back(searchedByForce(radius, points.back()));
     }
-    EXPECT_LT(before, 2e-3);
+    double before = 1e300;
+    for (const int side : {8, 16, 32, 64, 128}) {
+      const RadiusField field = fieldOf(radius, side);
+      double squares = 0.0;
+      for (std::size_t n = 0; n < points.size(); ++n) squares += std::pow(sampleRadius(field, points[n]) - exact[n], 2.0);
+      const double rms = std::sqrt(squares / static_cast<double>(points.size()));
+      EXPECT_LT(rms, side <= 32 ? 0.45 * before : before) << "side " << side << ": second order until the search's own error is left";
+      before = rms;
+    }
+    EXPECT_LT(before, 1e-4);
+  }
+}
+
+// Far away too the distance is that of the closest point, not of the point below: an elongated body's tip is nearer than its flank.
+TEST(Radius, FarDistancesAreSensible) {
+  const RadiusFunction radius = reference::ellipsoidRadius({1.0, 0.5, 0.5});
+  const RadiusField field = fieldOf(radius, 32);
+  std::mt19937 random(5);
+  for (int n = 0; n < 300; ++n) {
+    const glm::dvec3 p = (1.5 + 0.01 * n) * randomUnit(random);
+    const double exact = searchedByForce(radius, p);
+    EXPECT_NEAR(sampleRadius(field, p), exact, 0.06 * exact);
   }
 }
 
@@ -154,52 +196,33 @@ TEST(Radius, IsNeverNegativeOnTheBorderOfTheBoxAtAnyLevel) {
     }
 }
 
-TEST(Radius, FalloffTurnsNoFasterThanAllowed) {
-  const RadiusField field = fieldOf(reference::cuboidRadius({1.0, 0.2, 0.3}), 32, glm::dvec3(0.0), 1e-4f);
-  double steepest = 0.0;
-  for (const RadiusLevel& level : field.levels)
-    for (unsigned face = 0; face < 6; ++face)
-      for (int j = 0; j < level.side; ++j)
-        for (int i = 0; i + 1 < level.side; ++i) {
-          const double difference =
-              level.texel[texelIndex(level.side, face, i, j)].falloff - level.texel[texelIndex(level.side, face, i + 1, j)].falloff;
-          const double angle = std::acos(std::min(1.0, glm::dot(glm::normalize(texelDirection(level.side, face, i, j)),
-                                                                glm::normalize(texelDirection(level.side, face, i + 1, j)))));
-          steepest = std::max(steepest, std::abs(difference) / angle);
-        }
-  EXPECT_LE(steepest, kFalloffSlope * 1.0001);
-  EXPECT_GT(steepest, 0.9 * kFalloffSlope) << "the shape is too gentle to test this";
-}
-
-TEST(Radius, NeverExceedsItsLipschitzBound) {
+TEST(Radius, LiesWithinItsRangeWhichChangesNoFasterThanItsBound) {
   for (const auto& [name, field] : shapes())
     for (std::size_t l = 0; l < field.levels.size(); ++l) {
       const int level = static_cast<int>(l);
       const double bound = lipschitzBound(field, level);
       const Box& box = field.levels[l].box;
       const double size = diagonal(box);
-      // The field's lower and upper bound: itself within the box.
-      const auto bounds = [&](const glm::dvec3& p) {
-        const glm::dvec3 closest = glm::clamp(p, box.min, box.max);
-        const double gap = glm::length(p - closest), phi = sampleRadius(field, field.centre + closest, level);
-        return glm::dvec2(gap == 0.0 ? phi : std::hypot(gap, phi), gap + phi);
-      };
       std::mt19937 random(5);
       glm::dvec2 steepest(0.0);
       for (const glm::dvec3& p : reference::randomPoints({box.min - 0.3 * size, box.max + 0.3 * size}, 4000, 7)) {
         // Half of the points close to the centre, where directions turn fast.
-        const glm::dvec3 a = random() % 2 ? p : 0.1 * p;
+        const glm::dvec3 a = field.centre + (random() % 2 ? p : 0.1 * p);
         const double step = 1e-4 * size;
-        steepest = glm::max(steepest, glm::abs(bounds(a) - bounds(a + step * randomUnit(random))) / step);
-        const glm::dvec2 range = bounds(a);
-        const double value = sampleRadius(field, field.centre + a, level);
-        ASSERT_GE(value, range.x - 1e-9 * size);
-        ASSERT_LE(value, range.y + 1e-9 * size);
+        const glm::dvec3 b = a + step * randomUnit(random);
+        const glm::dvec2 range = radiusRange(field, a, level), other = radiusRange(field, b, level);
+        steepest = glm::max(steepest, glm::abs(range - other) / step);
+        const double value = sampleRadius(field, a, level);
+        ASSERT_GE(value, range.x - 1e-9 * size) << name << " level " << level;
+        ASSERT_LE(value, range.y + 1e-9 * size) << name << " level " << level;
+        // Outside, the lower bound is that of a distance.
+        if (range.x > step) {
+          ASSERT_GE(other.x, range.x - step - 1e-9 * size) << name << " level " << level;
+        }
       }
-      EXPECT_LE(steepest.x, bound * (1.0 + 2e-3)) << name << " level " << level;
-      EXPECT_LE(steepest.y, std::hypot(1.0, bound) * (1.0 + 2e-3)) << name << " level " << level;
+      EXPECT_LE(std::max(steepest.x, steepest.y), bound * (1.0 + 1e-6)) << name << " level " << level;
       EXPECT_GE(bound, 1.0);
-      EXPECT_LT(bound, 20.0) << name << ": so loose that it culls nothing";
+      EXPECT_LT(bound, 40.0) << name << ": so loose that it culls nothing";
     }
 }
 
@@ -222,7 +245,7 @@ TEST(Radius, FilesComeBackAsStored) {
         const RadiusTexel &a = back.value().levels[l].texel[i], &b = stored.levels[l].texel[i], &c = field.levels[l].texel[i];
         ASSERT_EQ(a.mean, b.mean);
         ASSERT_EQ(a.variance, b.variance);
-        ASSERT_EQ(a.falloff, b.falloff);
+        ASSERT_EQ(a.slope, b.slope);
         // Half floats hold half of the range to 2^-12; single floats the sum.
         ASSERT_NEAR(b.mean, c.mean, range * 0x1p-12 + c.mean * 0x1p-23) << name;
         ASSERT_NEAR(b.variance, c.variance, c.variance * 0x1p-10 + range * range * 0x1p-24) << name;

@@ -13,9 +13,9 @@ namespace overcast::reference {
 /// Mean and variance over the texels of the finest level that a coarser one's texel (i, j) covers.
 glm::dvec2 momentsBelow(const HeightField& field, const HeightLevels& layer, int level, int i, int j);
 
-/// The height (x), its two derivatives by texel (y, z) and the variance (w) of a layer's finest level at `at`, texels from its corner: the
+/// The height (x), its two derivatives by texel (y, z) and the variance (w) of a layer's level at `at`, texels from its corner: the
 /// sum over all texels of value times quadratic B-spline; beyond the sides heights go on straight and variances stay. Stored units.
-glm::dvec4 surface(const HeightField& field, const HeightLevels& layer, const glm::dvec2& at);
+glm::dvec4 surface(const HeightField& field, const HeightLevels& layer, const glm::dvec2& at, int level = 0);
 
 /// The distance that formats/heightfield.h defines, finest level.
 double heightFieldDistance(const HeightField& field, const glm::dvec3& point);

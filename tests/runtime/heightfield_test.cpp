@@ -24,6 +24,10 @@ using test::bumps;
 /// The distance in global voxels as the shader computes it.
 float shaderDistance(const std::vector<glm::vec2>& texels, const shared::CompositeObject& object, const glm::vec3& p) {
   const glm::vec3 local = shared::localPoint(object, p), closest = shared::closestInBox(object, local);
+  if (shared::isSearched(object)) {
+    const float distance = shared::sheetDistance(texels.data(), object, local) * object.axisScale.w;
+    return std::max(distance, shared::gapBeyondBox(object, local, closest));
+  }
   const float phi = shared::heightFieldDistance(texels.data(), object, closest) * object.axisScale.w;
   const float gap = shared::gapBeyondBox(object, local, closest);
   if (!(gap > 0.0f && phi > 0.0f)) return shared::extendedDistance(phi, gap, 0.0f);
@@ -72,7 +76,7 @@ TEST(HeightFieldFormula, CoarseVolumesReadCoarseLevels) {
   std::vector<glm::vec2> texels;
   const HeightFieldEntry entry = addHeightField(field, texels);
   ASSERT_EQ(entry.levels.size(), 3u);
-  EXPECT_EQ(texels.size(), 66u * 34 + 34 * 18 + 18 * 10);
+  EXPECT_EQ(texels.size(), 66u * 34 + 34 * 18 + 18 * 10 + 10 * 6 + 6 * 4);
   EXPECT_EQ(heightFieldLevel(entry, 4.0), 0u);
   EXPECT_EQ(heightFieldLevel(entry, 0.51), 0u);
   EXPECT_EQ(heightFieldLevel(entry, 0.5), 1u);

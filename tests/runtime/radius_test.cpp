@@ -46,7 +46,7 @@ TEST(RadiusFormula, AgreesWithFormatsAtEveryLevel) {
       shared::CompositeObject object = compositeObject(entry, glm::dmat4(1.0), grid);
       ASSERT_EQ(object.present, 1u);
       object.field = {level.first, static_cast<std::uint32_t>(level.side), 0u, 0u};
-      object.parameters = glm::vec4(glm::dvec4(level.smallest, kRadiusCore * level.smallest, level.largest, 0.0));
+      object.parameters = glm::vec4(glm::dvec4(level.smallest, kRadiusCore * level.smallest, level.largest, level.gentlest));
       double worst = 0.0;
       for (const glm::dvec3& p : reference::randomPoints(level.box, 2000, 3)) {
         const double expected = sampleRadius(field, field.centre + entry.unit * p, levelOf(field, object)) / entry.unit;
@@ -63,7 +63,7 @@ TEST(RadiusObject, TakesCoarserLevelsWhenItIsSmallAndNoneWhenItIsDegenerate) {
   std::vector<glm::vec2> texels;
   const RadiusEntry entry = packRadius(field, texels);
   std::size_t count = 0;
-  for (const RadiusLevel& level : field.levels) count += 6 * static_cast<std::size_t>(level.side * level.side);
+  for (const RadiusLevel& level : field.levels) count += 12 * static_cast<std::size_t>(level.side * level.side);
   EXPECT_EQ(texels.size(), count);
   const GlobalGrid grid = cubeGrid(64, 4.0);
   int before = -1;

@@ -16,6 +16,8 @@ const int kBrickCapacity = 128;           ///< objects a brick's list can hold: 
 const uint kBrickOverflow = 0xffffffffu;  ///< count of a brick whose list did not fit: it evaluates every object
 const float kFarField = 65504.0f;         ///< distance, in voxels, where there is no object; the largest half float
 
+const uint kNoLayer = 0xffffffffu;  ///< field.y of a heightfield without a back layer
+
 /// Half diagonals, in voxels, of the voxel centres of a brick and of an octant about its centre: 3.5 and 1.5 sqrt(3), rounded up.
 const float kBrickRadius = 6.0621783f;
 const float kOctantRadius = 2.5980765f;
@@ -106,10 +108,17 @@ OVERCAST_INLINE bool exactEverywhere(CompositeObject object) {
   return object.kind == kKindCuboid || object.kind == kKindEllipsoid;
 }
 
+/// Whether the object's distance is the result of a search for its closest point (radius.h, heightfield.h): known everywhere, and between
+/// bounds whose growth is known, which for its own growth is not.
+OVERCAST_INLINE bool isSearched(CompositeObject object) {
+  return object.kind == kKindRadius || (object.kind == kKindHeightField && object.field.y == kNoLayer);
+}
+
 /// What `lower`, a lower bound of the object's distance at the centre, has to lose to be one everywhere within `radius` voxels: the
-/// Lipschitz bound over the radius and what two evaluations may be off.
+/// Lipschitz bound over the radius and what two evaluations may be off. A search finds nothing nearer than there is: where all points are
+/// outside, it is never further off than they are apart.
 OVERCAST_INLINE float lowerMargin(CompositeObject object, float lower, float radius) {
-  float reach = object.boxMax.w * radius;
+  float reach = isSearched(object) && lower > radius ? radius : object.boxMax.w * radius;
   return reach + object.slack + kRelativeSlack * (abs(lower) + reach);
 }
 
@@ -117,7 +126,7 @@ OVERCAST_INLINE float lowerMargin(CompositeObject object, float lower, float rad
 /// at a right angle to it by the slope of phi. Keep object i only if lower_i - margin_i <= min over j of (upper_j + margin_j).
 OVERCAST_INLINE float upperMargin(CompositeObject object, float upper, float radius) {
   float slope = object.boxMax.w;
-  float reach = (exactEverywhere(object) ? slope : sqrt(1.0f + slope * slope)) * radius;
+  float reach = (exactEverywhere(object) || isSearched(object) ? slope : sqrt(1.0f + slope * slope)) * radius;
   return reach + object.slack + kRelativeSlack * (abs(upper) + reach);
 }
 

@@ -53,7 +53,6 @@ bool isKind(CompositeObject object, uint kind) {
 // Distance at a point of the object's box, in the kind's units. One line per kind.
 float boxedDistance(CompositeObject object, vec3 local) {
   float distance = 0.0f;
-  if (isKind(object, kKindRadius)) distance = radiusDistance(OVERCAST_FIELDS_HERE object, local);
   if (isKind(object, kKindHeightField)) distance = heightFieldDistance(OVERCAST_FIELDS_HERE object, local);
   if (isKind(object, kKindVolume)) distance = volumeDistance(object, local);
   if (isKind(object, kKindVolume8)) distance = volume8Distance(object, local);
@@ -74,15 +73,30 @@ bool isExact(CompositeObject object) {
   return isKind(object, kKindCuboid) || isKind(object, kKindEllipsoid);
 }
 
+bool isSearchedHere(CompositeObject object) {
+  return isKind(object, kKindRadius) || (isKind(object, kKindHeightField) && isSearched(object));
+}
+
 // Beyond the box: whether the slope at its border is a difference of distances.
 bool hasDifferenceSlope(CompositeObject object) {
   return isKind(object, kKindVolume) || isKind(object, kKindVolume8) || isKind(object, kKindHeightField);
+}
+
+// Of an object that is searched. Beyond its box it is no nearer than that.
+float searchedDistance(CompositeObject object, vec3 local) {
+  float found = 0.0f;
+  if (isKind(object, kKindRadius)) found = radiusDistance(OVERCAST_FIELDS_HERE object, local);
+  if (isKind(object, kKindHeightField)) found = sheetDistance(OVERCAST_FIELDS_HERE object, local);
+  precise float phi = found * object.axisScale.w;
+  vec3 closest = closestInBox(object, local);
+  return local == closest ? phi : max(phi, gapBeyondBox(object, local, closest));
 }
 
 // Signed distance in global voxels of the object whose local coordinates are `local` (beyond its box too). Not looking up the second
 // distance where the lower bound is already above the nearest object saves nothing that can be measured.
 float objectDistance(CompositeObject object, vec3 local) {
   if (isExact(object)) return exactDistance(object, local);
+  if (isSearchedHere(object)) return searchedDistance(object, local);
   vec3 closest = closestInBox(object, local);
   float gap = gapBeyondBox(object, local, closest);
   precise float phi = boxedDistance(object, closest) * object.axisScale.w;
@@ -92,17 +106,30 @@ float objectDistance(CompositeObject object, vec3 local) {
     precise float inner = boxedDistance(object, closest - direction) * object.axisScale.w;
     slope = slopeAlong(object, direction, inner, phi);
   }
-  if (isKind(object, kKindRadius) && gap > 0.0f) slope = radiusSlope(object, local, closest);
   return extendedDistance(phi, gap, slope);
 }
 
-// A lower and an upper bound of objectDistance, whose growth is bounded (lowerMargin, upperMargin).
-vec2 objectRange(CompositeObject object, vec3 local) {
-  if (isExact(object)) return vec2(exactDistance(object, local));
+// A lower and an upper bound of objectDistance, whose growth is bounded (lowerMargin, upperMargin), and an upper bound that grows by at most
+// 1 (kFarField where there is none).
+vec3 objectRange(CompositeObject object, vec3 local) {
+  if (isExact(object)) return vec3(vec2(exactDistance(object, local)), kFarField);
   vec3 closest = closestInBox(object, local);
-  precise float phi = boxedDistance(object, closest) * object.axisScale.w;
   float gap = gapBeyondBox(object, local, closest);
-  return vec2(extendedDistance(phi, gap, 0.0f), gap + phi);
+  if (isSearchedHere(object)) {
+    vec3 found = vec3(0.0f);
+    if (isKind(object, kKindRadius)) found = radiusBounds(OVERCAST_FIELDS_HERE object, local);
+    if (isKind(object, kKindHeightField)) found = sheetBounds(OVERCAST_FIELDS_HERE object, local);
+    precise vec3 bounds = found * object.axisScale.w;
+    return local == closest ? bounds : max(bounds, vec3(gap));
+  }
+  precise float phi = boxedDistance(object, closest) * object.axisScale.w;
+  return vec3(extendedDistance(phi, gap, 0.0f), gap + phi, kFarField);
+}
+
+// No point within `radius` of the one with this range is further away.
+float farthestWithin(CompositeObject object, vec3 range, float radius) {
+  float loose = range.z + radius + object.slack + kRelativeSlack * (abs(range.z) + radius);
+  return min(range.y + upperMargin(object, range.y, radius), loose);
 }
 
 ivec3 brickPosition(uint brick) {

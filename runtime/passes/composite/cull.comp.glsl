@@ -44,8 +44,8 @@ uint buildList(vec3 centre) {
     // A bound that needs no texture: no point is nearer than the box, give or take what its border holds.
     float atLeast = gapBeyondBox(object, local, closest) + object.boxMin.w;
     if (local != closest && atLeast - lowerMargin(object, atLeast, kBrickRadius) > best) continue;
-    vec2 range = objectRange(object, local);
-    best = min(best, range.y + upperMargin(object, range.y, kBrickRadius));
+    vec3 range = objectRange(object, local);
+    best = min(best, farthestWithin(object, range, kBrickRadius));
     float lower = range.x - lowerMargin(object, range.x, kBrickRadius);
     if (lower > best) continue;
     if (length == uint(kBrickCapacity)) length = compact(length);
@@ -61,8 +61,8 @@ uvec4 octantMask(vec3 centre, uint count) {
   best = 3.0e38f;
   for (uint n = 0u; n < count; ++n) {
     CompositeObject object = objects[lists[first + n].x];
-    vec2 range = objectRange(object, localPoint(object, centre));
-    best = min(best, range.y + upperMargin(object, range.y, kOctantRadius));
+    vec3 range = objectRange(object, localPoint(object, centre));
+    best = min(best, farthestWithin(object, range, kOctantRadius));
     lists[first + n].y = floatBitsToUint(range.x - lowerMargin(object, range.x, kOctantRadius));
   }
   uvec4 mask = uvec4(0u);

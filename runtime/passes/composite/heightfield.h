@@ -1,9 +1,10 @@
-// Heightfield: first-order distance of one or two layers of heights, widened by their variance (DESIGN 5.1 no. 3; Evans 2006, section 9.8;
-// formats/heightfield.h says what it means). Read by C++ and GLSL.
+// Heightfield: distance of one layer of heights by a search for its closest point, or of two layers back to back, first-order and widened
+// by their variance (DESIGN 5.1 no. 3; Evans 2006, section 9.8; formats/heightfield.h says what it means). Read by C++ and GLSL.
 //
 // Units: the longer side of a texel of the finest level. field: x, y: first texel of the front and the back layer in the fields buffer (y
-// is kNoLayer when there is none), z, w: texels along x and y without the gutter of one that surrounds them. parameters: x, y: size of a
-// texel.
+// is kNoLayer when there is none: a sheet, all coarser levels behind it), z, w: texels along x and y without the gutter of one that
+// surrounds them. parameters: x, y: size of a texel, z: of a sheet the least share of the vertical distance that a
+// distance is, w: of a sheet the largest height either way.
 #ifndef RUNTIME_PASSES_COMPOSITE_HEIGHTFIELD_H
 #define RUNTIME_PASSES_COMPOSITE_HEIGHTFIELD_H
 
@@ -12,7 +13,11 @@
 
 OVERCAST_SHARED_BEGIN
 
-const uint kNoLayer = 0xffffffffu;
+/// Steps of the search and the share of the distance that texels of a step are wide (kSheetSteps, kSheetBlur).
+const int kSheetSearchSteps = 2;
+const float kSheetFirstBlur = 0.35f;
+const float kSheetLaterBlur = 0.2f;
+const int kLeastSheetSide = 2;  ///< texels along the shorter side of the coarsest level that is searched
 
 /// Weights of a quadratic B-spline's three texels and their derivatives, t in [0, 1] within the middle one.
 OVERCAST_INLINE vec3 splineWeights(float t) {
@@ -24,11 +29,16 @@ OVERCAST_INLINE vec3 splineSlopes(float t) {
   return slopes;
 }
 
-/// z above the layer over `local` over sqrt(1 + squared slope).
-OVERCAST_INLINE float heightLayerDistance(OVERCAST_FIELDS CompositeObject object, uint first, vec3 local) {
-  vec2 texel = vec2(object.parameters);
-  ivec2 size = ivec2(int(object.field.z), int(object.field.w));
-  OVERCAST_PRECISE vec2 at = (vec2(local) - vec2(object.boxMin)) / texel;
+/// The surface over a place: its height, its gradient, and 1 + squared slope + squared roughness.
+struct HeightLook {
+  float height;
+  vec2 gradient;
+  float steep;
+};
+
+/// The quadratic B-spline over the 3 x 3 texels about `place`, from the lowest corner of the rectangle.
+OVERCAST_INLINE HeightLook heightLook(OVERCAST_FIELDS uint first, ivec2 size, vec2 texel, vec2 place) {
+  OVERCAST_PRECISE vec2 at = place / texel;
   ivec2 cell = clamp(ivec2(floor(at)), ivec2(0), size - 1);
   OVERCAST_PRECISE vec2 t = at - vec2(cell);
   vec3 weightX = splineWeights(t.x);
@@ -49,17 +59,129 @@ OVERCAST_INLINE float heightLayerDistance(OVERCAST_FIELDS CompositeObject object
   }
   OVERCAST_PRECISE vec2 squared = rise * rise;
   OVERCAST_PRECISE float rough = max(12.0f * moments.y - squared.x - squared.y, 0.0f) / (texel.x * texel.y);
-  OVERCAST_PRECISE float slope2 = squared.x / (texel.x * texel.x) + squared.y / (texel.y * texel.y) + rough;
-  OVERCAST_PRECISE float phi = (local.z - moments.x) / sqrt(1.0f + slope2);
+  OVERCAST_PRECISE float steep = 1.0f + squared.x / (texel.x * texel.x) + squared.y / (texel.y * texel.y) + rough;
+  HeightLook look;
+  look.height = moments.x;
+  look.gradient = rise / texel;
+  look.steep = steep;
+  return look;
+}
+
+/// Length of (across, up).
+OVERCAST_INLINE float heightApart(vec2 across, float up) {
+  OVERCAST_PRECISE float squared = across.x * across.x + across.y * across.y + up * up;
+  return sqrt(squared);
+}
+
+/// A level of an object's texels.
+struct HeightLevelPlace {
+  uint first;
+  ivec2 size;
+  vec2 texel;
+};
+
+OVERCAST_INLINE HeightLevelPlace heightFinest(CompositeObject object) {
+  HeightLevelPlace level;
+  level.first = object.field.x;
+  level.size = ivec2(int(object.field.z), int(object.field.w));
+  level.texel = vec2(object.parameters);
+  return level;
+}
+
+/// The next coarser level; the coarsest itself.
+OVERCAST_INLINE HeightLevelPlace heightCoarser(HeightLevelPlace level) {
+  if (min(level.size.x, level.size.y) <= kLeastSheetSide) return level;
+  HeightLevelPlace next;
+  next.first = level.first + uint((level.size.x + 2) * (level.size.y + 2));
+  next.size = level.size / 2;
+  next.texel = level.texel * 2.0f;
+  return next;
+}
+
+/// Distance of a sheet anywhere, never negative; no less than the distance to its box where that is known. One look at a level in each
+/// turn: below the point, then the finer and the coarser of two levels for each step, then where the last one led. A loop, not a sequence:
+/// the shader would hold each look several times.
+OVERCAST_INLINE float sheetDistance(OVERCAST_FIELDS CompositeObject object, vec3 local) {
+  vec2 corner = vec2(object.boxMin);
+  vec2 reach = vec2(object.boxMax) - corner;
+  OVERCAST_PRECISE vec2 above = vec2(local) - corner;
+  vec2 place = clamp(above, vec2(0.0f), reach);
+  HeightLevelPlace level = heightFinest(object);
+  float cell = max(level.texel.x, level.texel.y);
+  HeightLook fine;
+  fine.height = 0.0f;
+  fine.gradient = vec2(0.0f);
+  fine.steep = 1.0f;
+  float height = 0.0f;
+  float best = 0.0f;
+  float left = 0.0f;
+  int turns = int(object.present) * (2 + 2 * kSheetSearchSteps);
+  for (int turn = 0; turn < turns; ++turn) {
+    bool first = turn == 0;
+    bool last = turn == turns - 1;
+    bool finer = !last && (turn & 1) == 1;
+    if (first || last || finer) level = heightFinest(object);
+    if (finer) {
+      left = log2(max((turn == 1 ? kSheetFirstBlur : kSheetLaterBlur) * best / cell, 1.0f));
+      while (left >= 1.0f && min(level.size.x, level.size.y) > kLeastSheetSide) {
+        level = heightCoarser(level);
+        left -= 1.0f;
+      }
+    } else if (!first && !last) {
+      level = heightCoarser(level);
+    }
+    HeightLook look = heightLook(OVERCAST_FIELDS_HERE level.first, level.size, level.texel, place);
+    if (first || last) {
+      if (first) height = look.height;
+      float straight = heightApart(above - place, local.z - look.height);
+      best = first ? straight : min(best, straight);
+    } else if (finer) {
+      fine = look;
+    } else {
+      // The closest point over the rectangle of the tangent plane.
+      OVERCAST_PRECISE vec2 gradient = fine.gradient + left * (look.gradient - fine.gradient);
+      OVERCAST_PRECISE float steep = fine.steep + left * (look.steep - fine.steep);
+      OVERCAST_PRECISE float blurred = fine.height + left * (look.height - fine.height);
+      if (turn > 2) height = blurred;
+      OVERCAST_PRECISE float tilt = 1.0f + dot(gradient, gradient);
+      OVERCAST_PRECISE float behind = local.z - height - dot(gradient, above - place);
+      OVERCAST_PRECISE vec2 foot = above + gradient * (behind / tilt);
+      foot = clamp(foot, vec2(0.0f), reach);
+      OVERCAST_PRECISE float up = local.z - height - dot(gradient, foot - place);
+      if (turn == 2) best = min(best, heightApart(above - foot, up * sqrt(tilt / steep)));
+      place = foot;
+    }
+  }
+  return best;
+}
+
+/// x, y: a lower and an upper bound of sheetDistance (sheetRange in formats/heightfield.h); z: an upper bound that grows by at most 1.
+OVERCAST_INLINE vec3 sheetBounds(OVERCAST_FIELDS CompositeObject object, vec3 local) {
+  vec2 corner = vec2(object.boxMin);
+  OVERCAST_PRECISE vec2 above = vec2(local) - corner;
+  vec2 place = clamp(above, vec2(0.0f), vec2(object.boxMax) - corner);
+  OVERCAST_PRECISE vec2 across = above - place;
+  ivec2 size = ivec2(int(object.field.z), int(object.field.w));
+  float height = heightLook(OVERCAST_FIELDS_HERE object.field.x, size, vec2(object.parameters), place).height;
+  float straight = heightApart(across, local.z - height);
+  float farthest = max(abs(local.z - object.parameters.w), abs(local.z + object.parameters.w));
+  return vec3(object.parameters.z * straight, straight, heightApart(across, farthest));
+}
+
+/// z above the layer over `local` over sqrt(1 + squared slope).
+OVERCAST_INLINE float heightLayerDistance(OVERCAST_FIELDS CompositeObject object, uint first, vec3 local) {
+  ivec2 size = ivec2(int(object.field.z), int(object.field.w));
+  OVERCAST_PRECISE vec2 place = vec2(local) - vec2(object.boxMin);
+  HeightLook look = heightLook(OVERCAST_FIELDS_HERE first, size, vec2(object.parameters), place);
+  OVERCAST_PRECISE float phi = (local.z - look.height) / sqrt(look.steep);
   return phi;
 }
 
-/// Distance of a heightfield at a point of its box.
+/// Distance of a pair at a point of its box.
 OVERCAST_INLINE float heightFieldDistance(OVERCAST_FIELDS CompositeObject object, vec3 local) {
   OVERCAST_PRECISE vec3 wall = max(local - vec3(object.boxMax), vec3(object.boxMin) - local);
   OVERCAST_PRECISE float phi = max(wall.x, max(wall.y, wall.z));
   phi = max(phi, heightLayerDistance(OVERCAST_FIELDS_HERE object, object.field.x, local));
-  if (object.field.y == kNoLayer) return phi;
   OVERCAST_PRECISE float below = -heightLayerDistance(OVERCAST_FIELDS_HERE object, object.field.y, local);
   return max(phi, below);
 }

@@ -34,11 +34,17 @@ HeightFieldEntry addHeightField(const HeightField& field, std::vector<glm::vec2>
   HeightFieldEntry entry{field.localFromField, field.origin, field.halfExtent, std::max(cell.x, cell.y), {}};
   for (int level = 0; level < levelCount(field); ++level) {
     const glm::ivec2 size = levelSize(field, level);
-    if (level > 0 && std::min(size.x, size.y) < kMinHeightFieldSide) break;
+    const int shorter = std::min(size.x, size.y);
+    if (level > 0 && shorter < kMinHeightFieldSide) {
+      // A sheet's search reads these.
+      if (field.back.empty() && shorter >= shared::kLeastSheetSide) addLayer(field, field.front, level, entry.unit, texels);
+      continue;
+    }
     HeightFieldLevel& placed = entry.levels.emplace_back();
     placed.front = addLayer(field, field.front, level, entry.unit, texels);
     placed.back = addLayer(field, field.back, level, entry.unit, texels);
     placed.size = size;
+    for (std::size_t i = placed.front; i < texels.size(); ++i) placed.highest = std::max(placed.highest, std::abs(texels[i].x));
     // Rounded to a float it must not become lower.
     placed.lipschitz = std::nextafter(static_cast<float>(lipschitzBound(field, level)), 3e38f);
   }
@@ -61,7 +67,7 @@ shared::CompositeObject compositeObject(const HeightFieldEntry& entry, const glm
   const HeightFieldLevel& level = entry.levels[heightFieldLevel(entry, placed.sigmaMin)];
   object.kind = shared::kKindHeightField;
   object.field = {level.front, level.back, static_cast<std::uint32_t>(level.size.x), static_cast<std::uint32_t>(level.size.y)};
-  object.parameters = glm::vec4(glm::dvec4(2.0 * half.x / level.size.x, 2.0 * half.y / level.size.y, 0.0, 0.0));
+  object.parameters = glm::vec4(glm::dvec4(2.0 * half.x / level.size.x, 2.0 * half.y / level.size.y, 1.0 / level.lipschitz, level.highest));
   object.boxMax.w = level.lipschitz;
   const double evaluation = kHeightRounding * half.z * placed.sigmaMin;
   object.slack = static_cast<float>(2.0 * (placed.rounding * static_cast<double>(level.lipschitz) + evaluation));

@@ -21,6 +21,7 @@ struct HeightFieldLevel {
   std::uint32_t back = 0;   ///< kNoLayer when single sided
   glm::ivec2 size{0};
   float lipschitz = 1.0f;
+  float highest = 0.0f;  ///< largest height either way, units
 };
 
 /// What a record needs to know of a heightfield.

@@ -36,7 +36,12 @@ RadiusEntry packRadius(const RadiusField& field, std::vector<glm::vec2>& texels)
     placed.largest = level.largest / entry.unit;
     placed.lipschitz = lipschitzBound(field, static_cast<int>(l));
     placed.box = {level.box.min / entry.unit, level.box.max / entry.unit};
-    for (const RadiusTexel& t : level.texel) texels.emplace_back(static_cast<float>(t.mean / entry.unit), t.falloff);
+    placed.gentlest = level.gentlest;
+    for (const RadiusTexel& t : level.texel) {
+      const glm::vec3 slope(glm::dvec3(t.slope) / entry.unit);
+      texels.emplace_back(static_cast<float>(t.mean / entry.unit), slope.x);
+      texels.emplace_back(slope.y, slope.z);
+    }
   }
   return entry;
 }
@@ -52,7 +57,7 @@ shared::CompositeObject compositeObject(const RadiusEntry& entry, const glm::dma
   if (object.present == 0) return {};
   object.kind = shared::kKindRadius;
   object.parameters = glm::vec4(static_cast<float>(level.smallest), static_cast<float>(kRadiusCore * level.smallest),
-                                static_cast<float>(level.largest), 0.0f);
+                                static_cast<float>(level.largest), static_cast<float>(level.gentlest));
   object.field = {level.first, static_cast<std::uint32_t>(level.side), 0u, 0u};
   object.boxMax.w = static_cast<float>(level.lipschitz);
   object.slack = static_cast<float>(2.0 * (placed.rounding + kRounding * placed.sigmaMin) * level.lipschitz);

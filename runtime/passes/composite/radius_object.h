@@ -20,6 +20,7 @@ struct RadiusLevelEntry {
   double smallest = 0.0;
   double largest = 0.0;
   double lipschitz = 1.0;
+  double gentlest = 1.0;  ///< RadiusLevel::gentlest
   Box box;
 };
 
@@ -30,7 +31,7 @@ struct RadiusEntry {
   std::vector<RadiusLevelEntry> levels;
 };
 
-/// Appends the texels (radius in units, falloff) of all levels to `texels`.
+/// Appends the texels (radius and slope in units) of all levels, finest first, to `texels`.
 RadiusEntry packRadius(const RadiusField& field, std::vector<glm::vec2>& texels);
 
 /// The record of a radius field placed by `worldFromLocal` (affine), of the coarsest level whose texels, at the largest radius and scale,
