@@ -47,7 +47,7 @@ Asset radiusOf(int size) {
     for (unsigned face = 0; face < 6; ++face)
       for (int j = 0; j < side; ++j)
         for (int i = 0; i < side; ++i)
-          level.texel.push_back({static_cast<float>(bumpyRadius(glm::normalize(texelDirection(side, face, i, j)))), 1e-4f, 1.0f});
+          level.texel.push_back({static_cast<float>(bumpyRadius(glm::normalize(texelDirection(side, face, i, j)))), 1e-4f, {}});
   }
   derive(field);
   return field;
