@@ -245,25 +245,15 @@ Above aboveSheet(const HeightField& field, const glm::dvec3& p, int level) {
 double sheetDistance(const HeightField& field, const glm::dvec3& p, int level) {
   const glm::dvec2 half(field.halfExtent), cell = cellSize(field, level);
   const Above above = aboveSheet(field, p, level);
-  double best = above.straight();
-  glm::dvec2 place = above.place;
-  double height = p.z - above.up;
-  for (int step = 0; step < kSheetSteps; ++step) {
-    const double blur = std::log2(std::max(kSheetBlur[step] * best / std::max(cell.x, cell.y), 1.0));
-    const Surface near = surfaceBlurred(field, level, blur, place);
-    if (step > 0) height = near.height;
-    // The closest point of the tangent plane over the rectangle.
-    const double flat = 1.0 + glm::dot(near.gradient, near.gradient);
-    const double behind = p.z - height - glm::dot(near.gradient, glm::dvec2(p) - place);
-    const glm::dvec2 foot = glm::clamp(glm::dvec2(p) + near.gradient * (behind / flat), -half, half);
-    if (step == 0) {
-      const double up = p.z - height - glm::dot(near.gradient, foot - place);
-      best = std::min(best, std::hypot(glm::length(glm::dvec2(p) - foot), up * std::sqrt(flat / near.steep)));
-    }
-    place = foot;
-  }
-  const glm::dvec2 across = glm::dvec2(p) - place;
-  return std::min(best, std::hypot(glm::length(across), p.z - surfaceAt(field, field.front, level, place).height));
+  const double blur = std::log2(std::max(kSheetBlur * above.straight() / std::max(cell.x, cell.y), 1.0));
+  const Surface near = surfaceBlurred(field, level, blur, above.place);
+  // The closest point over the rectangle of the tangent plane.
+  const double tilt = 1.0 + glm::dot(near.gradient, near.gradient);
+  const double behind = above.up - glm::dot(near.gradient, above.across);
+  const glm::dvec2 foot = glm::clamp(glm::dvec2(p) + near.gradient * (behind / tilt), -half, half);
+  const double across = glm::length(glm::dvec2(p) - foot), up = above.up - glm::dot(near.gradient, foot - above.place);
+  const double there = p.z - surfaceAt(field, field.front, level, foot).height;
+  return std::min({above.straight(), std::hypot(across, up * std::sqrt(tilt / near.steep)), std::hypot(across, there)});
 }
 
 }  // namespace

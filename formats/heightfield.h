@@ -69,9 +69,9 @@ HeightTexel texelBeyond(const HeightField& field, const HeightLevels& layer, int
 /// vertically away,
 ///   1. the first-order distance, to the closest point over the rectangle of the tangent plane there, its vertical part times
 ///      sqrt((1 + |grad h|^2) / (1 + |grad h|^2 + rough)); exact for planes;
-///   2. that of the point of the surface which kSheetSteps such steps find.
-/// Gradients, and the planes after the first, come from blurred levels, linear between two of them, whose texels are kSheetBlur of the
-/// distance so far: from far away the surface is smooth. Never less than the distance to the box.
+///   2. that of the point of the surface over that one.
+/// The gradient comes from blurred levels, linear between two of them, whose texels are kSheetBlur of |(a, z - h)|: from far away the
+/// surface is smooth. Never less than the distance to the box.
 ///
 /// A pair: within the box first order, the largest of
 ///   front = (z - h) / sqrt(1 + |grad h|^2 + rough),   back = (h_back - z) / sqrt(...),   walls = |x| - halfExtent.x and so on for y and z;
@@ -79,8 +79,7 @@ HeightTexel texelBeyond(const HeightField& field, const HeightLevels& layer, int
 /// never negative, it has walls. Continuous everywhere.
 double sampleHeightField(const HeightField& field, const glm::dvec3& point, int level = 0);
 
-inline constexpr int kSheetSteps = 2;
-inline constexpr double kSheetBlur[kSheetSteps] = {0.35, 0.2};
+inline constexpr double kSheetBlur = 0.35;
 
 /// A lower and an upper bound of a sheet's distance that cost one look at `level`: |(a, z - h)| / S or the distance to the box, and |(a, z
 /// - h)|. `field` has no back layer.

@@ -79,17 +79,11 @@ double searchedDistance(const RadiusField& field, std::size_t base, const glm::d
   const double s = glm::length(p), texel = 0.5 * std::numbers::pi / (level.side - 1);
   glm::dvec3 d = p / s;
   const double v = s - look(level, d).mean;
-  double best = std::abs(v);
-  for (int step = 0; step < kRadiusSteps; ++step) {
-    const Look near = lookBlurred(field, base, std::log2(std::max(kRadiusBlur[step] * best / (s * texel), 1.0)), d);
-    if (step == 0) best = std::abs(v) / std::sqrt(1.0 + glm::dot(near.slope, near.slope) / (near.mean * s));
-    // Newton's step of |p - r d|^2 over directions: the Hessian is g g^T + r (p . d) I, inverted by Sherman and Morrison's formula.
-    const glm::dvec3 g = near.slope - d * glm::dot(near.slope, d);
-    constexpr double kLeastCosine = 0.25;
-    const double along = glm::dot(p, d), diagonal = near.mean * std::max(along, kLeastCosine * s);
-    const glm::dvec3 gain = g * (along - near.mean) + near.mean * (p - d * along);
-    d = glm::normalize(d + (gain - g * (glm::dot(g, gain) / (diagonal + glm::dot(g, g)))) / diagonal);
-  }
+  const Look near = lookBlurred(field, base, std::log2(std::max(kRadiusBlur * std::abs(v) / (s * texel), 1.0)), d);
+  double best = std::abs(v) / std::sqrt(1.0 + glm::dot(near.slope, near.slope) / (near.mean * s));
+  // Newton's step of |p - r d|^2 over directions: the Hessian is g g^T + r rho I, inverted by Sherman and Morrison's formula.
+  const glm::dvec3 g = near.slope - d * glm::dot(near.slope, d);
+  d = glm::normalize(d + g * ((s - near.mean) / (near.mean * s + glm::dot(g, g))));
   best = std::min(best, glm::length(p - look(level, d).mean * d));
   best = std::max(best, level.gentlest * std::abs(v));
   return v < 0.0 ? -best : best;

@@ -81,17 +81,16 @@ inline constexpr double kRadiusPadding = 0.125;
 /// `level`. With rho = |p - centre|, at least rho_0 = kRadiusCore r_min, v = rho - r towards the point and g the slope there:
 ///   1. the first-order distance |v| / sqrt(1 + |g|^2 / (r rho)), which is that of DESIGN 5.1 at the surface and, far from it, what one
 ///      Newton step of the squared distance over directions gains;
-///   2. kRadiusSteps such steps, the last of which ends at a point of the surface: the distance of that point.
-/// The smaller of both is the distance. r and g of the steps come from blurred levels, linear between two of them, whose texels are
-/// kRadiusBlur of the distance so far: from far away the surface is smooth. Negative where v is. It is kept within what is known for sure:
+///   2. that of the point of the surface in the direction where this step ends.
+/// The smaller of both is the distance. r and g of the step come from blurred levels, linear between two of them, whose texels are
+/// kRadiusBlur of |v|: from far away the surface is smooth. Negative where v is. It is kept within what is known for sure:
 /// -r_min - rho and rho - r_max from below, rho - r_min from above, the distance to the level's box from below, and gentlest |v| from
 /// below: gentlest = 1 / sqrt(1 + k^2 / (rho_0 r_min)) with k the larger of pi / 2 steepest (a surface that is nowhere steeper has no
 /// nearer point) and the longest slope of this level and the coarser ones. Towards the centre, within rho_0, linear between -r_min (exact)
 /// at the centre and the value at rho_0. Continuous everywhere.
 double sampleRadius(const RadiusField& field, const glm::dvec3& point, int level = 0);
 
-inline constexpr int kRadiusSteps = 2;
-inline constexpr double kRadiusBlur[kRadiusSteps] = {0.25, 0.125};
+inline constexpr double kRadiusBlur = 0.25;
 
 /// A lower and an upper bound of sampleRadius that cost one look at `level`: what is known for sure, and v instead of the distance.
 glm::dvec2 radiusRange(const RadiusField& field, const glm::dvec3& point, int level = 0);

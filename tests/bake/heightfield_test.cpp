@@ -162,8 +162,9 @@ TEST(BakeHeightField, PyramidKeepsItsFaces) {
   const double scale = 1.0 / std::hypot(1.0, height), cell = cellSize(field).x;
   for (const glm::dvec3& p : randomPoints({glm::dvec3(-0.9, -0.9, 0.0), glm::dvec3(0.9, 0.9, 0.3)}, 2000, 8)) {
     const double outer = std::max(std::abs(p.x), std::abs(p.y));
-    // Away from the ridges, where the nearest point is on the face below and what is blurred from that height is too, its distance is exact.
-    if (outer - std::min(std::abs(p.x), std::abs(p.y)) < 2.0 * cell + 2.0 * kSheetBlur[0] * p.z) continue;
+    // Away from the ridges, where the nearest point is on the face below and what is blurred from that height is too, its distance is
+    // exact.
+    if (outer - std::min(std::abs(p.x), std::abs(p.y)) < 2.0 * cell + 2.0 * kSheetBlur * p.z) continue;
     const glm::dvec3 at(p.x, p.y, p.z + height * (1.0 - outer));
     if (at.z > height) continue;  // beyond the box the distance is a bound
     EXPECT_NEAR(sampleHeightField(field, at), p.z * scale, 2e-3) << at.x << " " << at.y << " " << at.z;

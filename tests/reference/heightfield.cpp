@@ -64,7 +64,7 @@ glm::dvec4 ground(const HeightField& field, double level, double x, double y) {
   return rest == 0.0 ? fine : (1.0 - rest) * fine + rest * ground(field, static_cast<int>(whole) + 1, x, y);
 }
 
-/// The sheet's distance at a point of field space: the first-order one, or that of the point two steps away from the one below.
+/// The sheet's distance at a point of field space: the first-order one, or that of the point a step away from the one below.
 double sheet(const HeightField& field, const glm::dvec3& p) {
   const glm::dvec3 e = field.halfExtent;
   const double cell = 2.0 * std::max(e.x / field.size.x, e.y / field.size.y);
@@ -82,10 +82,7 @@ double sheet(const HeightField& field, const glm::dvec3& p) {
   const double slope2 = first.y * first.y + first.z * first.z;
   const double up = p.z - h0 - first.y * (one.x - x0) - first.z * (one.y - y0);
   const glm::dvec3 apart(p.x - one.x, p.y - one.y, up * std::sqrt((1.0 + slope2) / (1.0 + first.w)));
-  const double firstOrder = std::min(glm::length(apart), reach(x0, y0));
-  const glm::dvec4 second = ground(field, std::log2(0.2 * firstOrder / cell), one.x, one.y);
-  const glm::dvec2 two = foot(one.x, one.y, second.x, second);
-  return std::min(firstOrder, reach(two.x, two.y));
+  return std::min({glm::length(apart), reach(x0, y0), reach(one.x, one.y)});
 }
 
 /// A pair's distance at a point of the box, field space.

@@ -13,10 +13,8 @@
 
 OVERCAST_SHARED_BEGIN
 
-/// Steps of the search and the share of the distance that texels of a step are wide (kSheetSteps, kSheetBlur).
-const int kSheetSearchSteps = 2;
-const float kSheetFirstBlur = 0.35f;
-const float kSheetLaterBlur = 0.2f;
+/// The share of the distance that texels of the search are wide (kSheetBlur of formats/heightfield.h).
+const float kSheetSearchBlur = 0.35f;
 const int kLeastSheetSide = 2;  ///< texels along the shorter side of the coarsest level that is searched
 
 /// Weights of a quadratic B-spline's three texels and their derivatives, t in [0, 1] within the middle one.
@@ -115,14 +113,14 @@ OVERCAST_INLINE float sheetDistance(OVERCAST_FIELDS CompositeObject object, vec3
   float height = 0.0f;
   float best = 0.0f;
   float left = 0.0f;
-  int turns = int(object.present) * (2 + 2 * kSheetSearchSteps);
+  int turns = 4 * int(object.present);
   for (int turn = 0; turn < turns; ++turn) {
     bool first = turn == 0;
     bool last = turn == turns - 1;
     bool finer = !last && (turn & 1) == 1;
     if (first || last || finer) level = heightFinest(object);
     if (finer) {
-      left = log2(max((turn == 1 ? kSheetFirstBlur : kSheetLaterBlur) * best / cell, 1.0f));
+      left = log2(max(kSheetSearchBlur * best / cell, 1.0f));
       while (left >= 1.0f && min(level.size.x, level.size.y) > kLeastSheetSide) {
         level = heightCoarser(level);
         left -= 1.0f;
@@ -141,14 +139,12 @@ OVERCAST_INLINE float sheetDistance(OVERCAST_FIELDS CompositeObject object, vec3
       // The closest point over the rectangle of the tangent plane.
       OVERCAST_PRECISE vec2 gradient = fine.gradient + left * (look.gradient - fine.gradient);
       OVERCAST_PRECISE float steep = fine.steep + left * (look.steep - fine.steep);
-      OVERCAST_PRECISE float blurred = fine.height + left * (look.height - fine.height);
-      if (turn > 2) height = blurred;
       OVERCAST_PRECISE float tilt = 1.0f + dot(gradient, gradient);
       OVERCAST_PRECISE float behind = local.z - height - dot(gradient, above - place);
       OVERCAST_PRECISE vec2 foot = above + gradient * (behind / tilt);
       foot = clamp(foot, vec2(0.0f), reach);
       OVERCAST_PRECISE float up = local.z - height - dot(gradient, foot - place);
-      if (turn == 2) best = min(best, heightApart(above - foot, up * sqrt(tilt / steep)));
+      best = min(best, heightApart(above - foot, up * sqrt(tilt / steep)));
       place = foot;
     }
   }

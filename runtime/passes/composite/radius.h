@@ -14,12 +14,8 @@
 
 OVERCAST_SHARED_BEGIN
 
-/// Steps of the search and the share of the distance that texels of a step are wide (kRadiusSteps, kRadiusBlur).
-const int kRadiusSearchSteps = 2;
-const float kRadiusFirstBlur = 0.25f;
-const float kRadiusLaterBlur = 0.125f;
-/// The search takes no cosine for less than this.
-const float kRadiusLeastCosine = 0.25f;
+/// The share of the distance that texels of the search are wide (kRadiusBlur of formats/radius.h).
+const float kRadiusSearchBlur = 0.25f;
 
 /// Radius and slope (per radian) of a level in a direction.
 struct RadiusLook {
@@ -47,17 +43,6 @@ OVERCAST_INLINE RadiusLook radiusLook(OVERCAST_FIELDS uint first, int side, vec3
   return look;
 }
 
-/// The direction after one Newton step from `direction` towards the closest point of p.
-OVERCAST_INLINE vec3 radiusStep(RadiusLook look, vec3 p, float s, vec3 direction) {
-  OVERCAST_PRECISE vec3 g = look.slope - direction * dot(look.slope, direction);
-  OVERCAST_PRECISE float along = dot(p, direction);
-  OVERCAST_PRECISE float diagonal = look.mean * max(along, kRadiusLeastCosine * s);
-  OVERCAST_PRECISE vec3 gain = g * (along - look.mean) + look.mean * (p - direction * along);
-  OVERCAST_PRECISE vec3 step = (gain - g * (dot(g, gain) / (diagonal + dot(g, g)))) / diagonal;
-  OVERCAST_PRECISE vec3 moved = direction + step;
-  return moved / sqrt(dot(moved, moved));
-}
-
 /// The point at least as far out as the core that stands for `local`; its distance from the centre is max(|local|, core).
 OVERCAST_INLINE vec3 radiusOutside(vec3 local, float rho, float s) {
   return rho > 0.0f ? local * (s / rho) : vec3(s, 0.0f, 0.0f);
@@ -72,7 +57,7 @@ OVERCAST_INLINE float radiusSettled(CompositeObject object, float rho, float s, 
 }
 
 /// Distance of a radius field anywhere; no less than the distance to its box where that is known. One look at a level in each turn: towards
-/// the point, then the finer and the coarser of two levels for each step, then where the last one led. A loop, not a sequence: the shader
+/// the point, at the finer and at the coarser of two blurred levels, then where the step led. A loop, not a sequence: the shader
 /// would hold each look several times.
 OVERCAST_INLINE float radiusDistance(OVERCAST_FIELDS CompositeObject object, vec3 local) {
   float rho = sqrt(dot(local, local));
@@ -88,7 +73,7 @@ OVERCAST_INLINE float radiusDistance(OVERCAST_FIELDS CompositeObject object, vec
   float v = 0.0f;
   float best = 0.0f;
   float left = 0.0f;
-  int turns = int(object.present) * (2 + 2 * kRadiusSearchSteps);
+  int turns = 4 * int(object.present);
   for (int turn = 0; turn < turns; ++turn) {
     bool first = turn == 0;
     bool last = turn == turns - 1;
@@ -98,7 +83,7 @@ OVERCAST_INLINE float radiusDistance(OVERCAST_FIELDS CompositeObject object, vec
       side = int(object.field.y);
     }
     if (finer) {
-      left = log2(max((turn == 1 ? kRadiusFirstBlur : kRadiusLaterBlur) * best / (s * texel), 1.0f));
+      left = log2(max(kRadiusSearchBlur * best / (s * texel), 1.0f));
       while (left >= 1.0f && side > 2) {
         start += 12u * uint(side * side);
         side /= 2;
@@ -120,11 +105,12 @@ OVERCAST_INLINE float radiusDistance(OVERCAST_FIELDS CompositeObject object, vec
     } else {
       OVERCAST_PRECISE float mean = fine.mean + left * (look.mean - fine.mean);
       OVERCAST_PRECISE vec3 slope = fine.slope + left * (look.slope - fine.slope);
-      look.mean = mean;
-      look.slope = slope;
       OVERCAST_PRECISE float steep = 1.0f + dot(slope, slope) / (mean * s);
-      if (turn == 2) best = best / sqrt(steep);
-      direction = radiusStep(look, p, s, direction);
+      best = best / sqrt(steep);
+      // Newton's step of |p - r d|^2 over directions.
+      OVERCAST_PRECISE vec3 g = slope - direction * dot(slope, direction);
+      OVERCAST_PRECISE vec3 moved = direction + g * ((s - mean) / (mean * s + dot(g, g)));
+      direction = moved / sqrt(dot(moved, moved));
     }
   }
   best = max(best, object.parameters.w * abs(v));
