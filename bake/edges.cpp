@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstdlib>
+#include <numeric>
 #include <tuple>
 
 #include "bake/bucket_sort.h"
@@ -34,6 +35,37 @@ std::vector<DirectedEdge> netBoundary(const std::vector<glm::uvec3>& triangles) 
     boundary.insert(boundary.end(), static_cast<std::size_t>(std::abs(net)), edge);
   });
   return boundary;
+}
+
+TriangleSets::TriangleSets(std::size_t size) : parent_(size) {
+  std::iota(parent_.begin(), parent_.end(), 0u);
+}
+
+std::uint32_t TriangleSets::find(std::uint32_t triangle) {
+  while (parent_[triangle] != triangle) triangle = parent_[triangle] = parent_[parent_[triangle]];
+  return triangle;
+}
+
+void TriangleSets::join(std::uint32_t a, std::uint32_t b) {
+  a = find(a);
+  b = find(b);
+  parent_[std::max(a, b)] = std::min(a, b);
+}
+
+TriangleSets connectedPieces(const std::vector<glm::uvec3>& triangles) {
+  TriangleSets sets(triangles.size());
+  forEachEdge(edgeUses(triangles), [&](auto first, auto last) {
+    for (auto use = first + 1; use != last; ++use) sets.join(first->triangle, use->triangle);
+  });
+  return sets;
+}
+
+TriangleSets consistentPieces(const std::vector<glm::uvec3>& triangles) {
+  TriangleSets sets(triangles.size());
+  forEachEdge(edgeUses(triangles), [&](auto first, auto last) {
+    if (last - first == 2 && first->forward != (last - 1)->forward) sets.join(first->triangle, (last - 1)->triangle);
+  });
+  return sets;
 }
 
 }  // namespace overcast

@@ -1,6 +1,7 @@
-// Edges: the table of directed edge uses that repair and sign share.
+// Edges: the table of directed edge uses that repair and sign share, and which triangles hang together by it.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <vector>
 
@@ -40,5 +41,22 @@ void forEachEdge(const std::vector<EdgeUse>& uses, Visit visit) {
     first = last;
   }
 }
+
+/// Disjoint sets of triangles; a set is named by its smallest triangle.
+class TriangleSets {
+ public:
+  explicit TriangleSets(std::size_t size);
+  std::uint32_t find(std::uint32_t triangle);
+  void join(std::uint32_t a, std::uint32_t b);
+
+ private:
+  std::vector<std::uint32_t> parent_;
+};
+
+/// Triangles that share an edge are in one set.
+TriangleSets connectedPieces(const std::vector<glm::uvec3>& triangles);
+
+/// Only across edges of two triangles that run along it in opposite directions: pieces whose orientation is consistent.
+TriangleSets consistentPieces(const std::vector<glm::uvec3>& triangles);
 
 }  // namespace overcast

@@ -2,6 +2,8 @@
 
 #include <glm/common.hpp>
 
+#include "bake/outside.h"
+
 namespace overcast {
 
 PreparedMesh prepare(const Mesh& mesh) {
@@ -15,6 +17,7 @@ PreparedMesh prepare(const Mesh& mesh) {
   // Vertices that no triangle uses may lie anywhere: they must not reach the lattice of the sign.
   for (const glm::dvec3& p : mesh.positions) centred.positions.push_back(glm::clamp(p, box.min, box.max) - prepared.middle);
   prepared.repaired = repair(centred);
+  orientByOutside(prepared.repaired);
   return prepared;
 }
 

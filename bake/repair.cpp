@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <numeric>
 #include <tuple>
 
 #include <CGAL/Polygon_mesh_processing/orient_polygon_soup.h>
@@ -89,46 +88,21 @@ std::vector<char> dropDuplicates(Mesh& mesh, std::uint64_t& dropped) {
   return paired;
 }
 
-/// Disjoint sets of triangles.
-class Sets {
- public:
-  explicit Sets(std::size_t size) : parent_(size) { std::iota(parent_.begin(), parent_.end(), 0u); }
-  std::uint32_t find(std::uint32_t i) {
-    while (parent_[i] != i) i = parent_[i] = parent_[parent_[i]];
-    return i;
-  }
-  void join(std::uint32_t a, std::uint32_t b) {
-    a = find(a);
-    b = find(b);
-    parent_[std::max(a, b)] = std::min(a, b);
-  }
-
- private:
-  std::vector<std::uint32_t> parent_;
-};
-
-Sets componentsOf(const std::vector<glm::uvec3>& triangles) {
-  Sets sets(triangles.size());
-  forEachEdge(edgeUses(triangles), [&](auto first, auto last) {
-    for (auto use = first + 1; use != last; ++use) sets.join(first->triangle, use->triangle);
-  });
-  return sets;
-}
-
 /// Counts components, and takes the second triangle of every pair out of those that consist of pairs alone: surfaces modelled with
 /// two sides, which would otherwise cancel as a whole and be nowhere solid. Then the first ones count as a surface of one side.
 void openDoubleSided(Mesh& mesh, std::vector<char>& paired, MeshDiagnosis& found) {
-  Sets sets = componentsOf(mesh.triangles);
+  TriangleSets sets = connectedPieces(mesh.triangles);
   std::vector<char> seen(mesh.triangles.size(), 0), singleSided(mesh.triangles.size(), 0), marked(mesh.triangles.size(), 0);
   for (std::uint32_t i = 0; i < mesh.triangles.size(); ++i) {
     if (isCollapsed(mesh.triangles[i])) continue;
-    found.components += !seen[sets.find(i)];
-    seen[sets.find(i)] = 1;
-    singleSided[sets.find(i)] |= !paired[i];
+    const std::uint32_t component = sets.find(i);
+    found.components += seen[component] == 0 ? 1 : 0;
+    seen[component] = 1;
+    if (paired[i] == 0) singleSided[component] = 1;
   }
   for (std::uint32_t i = 0; i < mesh.triangles.size(); ++i) {
     if (singleSided[sets.find(i)]) continue;
-    marked[i] = paired[i] == kSecondOfPair;
+    marked[i] = paired[i] == kSecondOfPair ? 1 : 0;
     paired[i] = 0;
   }
   found.duplicateTriangles += removeTriangles(mesh, paired, marked);
@@ -167,7 +141,7 @@ void orientPatches(Mesh& mesh, const std::vector<std::uint32_t>& active, MeshDia
   std::vector<glm::uvec3> triangles;
   for (const std::uint32_t i : active) triangles.push_back(mesh.triangles[i]);
   const std::vector<EdgeUse> uses = edgeUses(triangles);
-  Sets sets(triangles.size());
+  TriangleSets sets(triangles.size());
   forEachEdge(uses, [&](auto first, auto last) {
     found.nonManifoldEdges += last - first > 2;
     if (last - first == 2) sets.join(first->triangle, (last - 1)->triangle);
@@ -200,6 +174,16 @@ void orientPatches(Mesh& mesh, const std::vector<std::uint32_t>& active, MeshDia
 
 }  // namespace
 
+void countBoundary(const Mesh& mesh, MeshDiagnosis& found) {
+  found.boundaryEdges = 0;
+  forEachEdge(edgeUses(mesh.triangles), [&](auto first, auto last) {
+    std::ptrdiff_t net = 0;
+    for (auto use = first; use != last; ++use) net += use->forward ? 1 : -1;
+    found.boundaryEdges += net != 0 ? 1 : 0;
+  });
+  found.closed = found.boundaryEdges == 0;
+}
+
 RepairedMesh repair(const Mesh& mesh) {
   RepairedMesh repaired;
   MeshDiagnosis& found = repaired.found;
@@ -217,12 +201,7 @@ RepairedMesh repair(const Mesh& mesh) {
   }
   orientPatches(repaired.mesh, active, found);
 
-  forEachEdge(edgeUses(triangles), [&](auto first, auto last) {
-    std::ptrdiff_t net = 0;
-    for (auto use = first; use != last; ++use) net += use->forward ? 1 : -1;
-    found.boundaryEdges += net != 0;
-  });
-  found.closed = found.boundaryEdges == 0;
+  countBoundary(repaired.mesh, found);
   found.insideOut = found.closed && volume < 0.0;
   repaired.mesh.parts.front().triangleCount = static_cast<std::uint32_t>(triangles.size());
   return repaired;

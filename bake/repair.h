@@ -17,6 +17,7 @@ struct MeshDiagnosis {
   std::uint64_t inconsistentEdges = 0;    ///< manifold edges that both triangles run along in the same direction, before reorientation
   std::uint64_t components = 0;           ///< connected by shared edges
   std::uint64_t reorientedTriangles = 0;  ///< flipped to agree with their neighbours
+  std::uint64_t turnedOutward = 0;        ///< flipped because nothing else said which side is out (bake/outside.h)
   bool closed = false;                    ///< every edge cancels after repair: the winding number is an integer
   bool insideOut = false;                 ///< negative volume as given
 };
@@ -33,5 +34,8 @@ struct RepairedMesh {
 };
 
 RepairedMesh repair(const Mesh& mesh);
+
+/// Counts boundaryEdges again and says whether the mesh is closed: for those who turn triangles afterwards.
+void countBoundary(const Mesh& mesh, MeshDiagnosis& found);
 
 }  // namespace overcast

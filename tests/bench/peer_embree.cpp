@@ -51,13 +51,13 @@ bool visitTriangle(RTCPointQueryFunctionArguments* arguments) {
   return true;
 }
 
-RTCScene makeScene(RTCDevice device, const Scene& scene) {
+RTCScene makeScene(RTCDevice device, const Scene& scene, RTCPointQueryFunction visit) {
   const RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
   rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, scene.positions.data(), 0, sizeof(glm::vec3),
                              scene.positions.size() - 1);
   rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, scene.mesh.triangles.data(), 0, sizeof(glm::uvec3),
                              scene.mesh.triangles.size());
-  rtcSetGeometryPointQueryFunction(geometry, visitTriangle);
+  rtcSetGeometryPointQueryFunction(geometry, visit);
   rtcCommitGeometry(geometry);
   const RTCScene result = rtcNewScene(device);
   rtcAttachGeometry(result, geometry);
@@ -73,7 +73,7 @@ std::vector<float> embreeDistance(const Mesh& mesh, const Grid& grid) {
   for (const glm::dvec3& position : mesh.positions) scene.positions.emplace_back((position - grid.origin) / grid.voxelSize);
   scene.positions.emplace_back(0.0f);  // Embree reads whole vectors: one vertex of padding
   const RTCDevice device = rtcNewDevice(nullptr);
-  const RTCScene tree = makeScene(device, scene);
+  const RTCScene tree = makeScene(device, scene, visitTriangle);
   std::vector<float> distance(sampleCount(grid));
   tbb::parallel_for(0, grid.size.y * grid.size.z, [&](int row) {
     float* out = distance.data() + static_cast<std::ptrdiff_t>(row) * grid.size.x;
@@ -90,6 +90,46 @@ std::vector<float> embreeDistance(const Mesh& mesh, const Grid& grid) {
   rtcReleaseScene(tree);
   rtcReleaseDevice(device);
   return distance;
+}
+
+std::vector<NearestPoint> embreeNearest(const Mesh& mesh, const Grid& grid) {
+  Scene scene{{}, mesh};
+  for (const glm::dvec3& position : mesh.positions) scene.positions.emplace_back((position - grid.origin) / grid.voxelSize);
+  scene.positions.emplace_back(0.0f);
+  const RTCDevice device = rtcNewDevice(nullptr);
+  struct Search {
+    const Scene& scene;
+    std::uint32_t triangle = 0;
+    glm::vec3 point{0.0f};
+  };
+  const auto visit = [](RTCPointQueryFunctionArguments* arguments) {
+    auto& search = *static_cast<Search*>(arguments->userPtr);
+    const glm::uvec3 t = search.scene.mesh.triangles[arguments->primID];
+    const glm::vec3 p(arguments->query->x, arguments->query->y, arguments->query->z);
+    const auto& positions = search.scene.positions;
+    const glm::vec3 point = closestPoint(p, positions[t.x], positions[t.y], positions[t.z]);
+    const float distance = glm::length(p - point);
+    if (distance >= arguments->query->radius) return false;
+    search.triangle = arguments->primID;
+    search.point = point;
+    arguments->query->radius = distance;
+    return true;
+  };
+  const RTCScene tree = makeScene(device, scene, visit);
+  std::vector<NearestPoint> nearest(sampleCount(grid));
+  tbb::parallel_for(std::size_t{0}, nearest.size(), [&](std::size_t i) {
+    const auto nx = static_cast<std::size_t>(grid.size.x), ny = static_cast<std::size_t>(grid.size.y);
+    Search search{scene};
+    RTCPointQuery query{static_cast<float>(i % nx), static_cast<float>(i / nx % ny), static_cast<float>(i / nx / ny), 0.0f,
+                        std::numeric_limits<float>::infinity()};
+    RTCPointQueryContext context;
+    rtcInitPointQueryContext(&context);
+    rtcPointQuery(tree, &query, &context, nullptr, &search);
+    nearest[i] = {search.triangle, grid.origin + grid.voxelSize * glm::dvec3(search.point)};
+  });
+  rtcReleaseScene(tree);
+  rtcReleaseDevice(device);
+  return nearest;
 }
 
 }  // namespace overcast::bench

@@ -31,8 +31,10 @@ openvdb::CoordBBox boxOf(const Grid& grid) {
   return {openvdb::Coord(0), openvdb::Coord(grid.size.x - 1, grid.size.y - 1, grid.size.z - 1)};
 }
 
+using DenseGrid = openvdb::tools::Dense<float, openvdb::tools::LayoutXYZ>;
+
 std::vector<float> toDense(const openvdb::FloatGrid& volume, const Grid& grid) {
-  openvdb::tools::Dense<float, openvdb::tools::LayoutXYZ> dense(boxOf(grid));
+  DenseGrid dense(boxOf(grid));
   openvdb::tools::copyToDense(volume, dense);
   std::vector<float> distance(sampleCount(grid));
   const auto voxel = static_cast<float>(grid.voxelSize);
@@ -53,6 +55,15 @@ std::vector<float> openvdbSweep(const Mesh& mesh, const Grid& grid) {
   openvdb::MaskGrid box(false);
   box.denseFill(boxOf(grid), true);
   return toDense(*openvdb::tools::maskSdf(*band, box), grid);
+}
+
+std::vector<std::uint8_t> openvdbInside(const Mesh& mesh, const Grid& grid) {
+  openvdb::initialize();
+  DenseGrid dense(boxOf(grid));
+  openvdb::tools::copyToDense(*signedBand(mesh, grid, kSweepBand), dense);
+  std::vector<std::uint8_t> inside(sampleCount(grid));
+  for (std::size_t i = 0; i < inside.size(); ++i) inside[i] = dense.data()[i] < 0.0f ? 1 : 0;
+  return inside;
 }
 
 }  // namespace overcast::bench

@@ -23,6 +23,7 @@
 #include "bake/volume.h"
 #include "formats/mesh.h"
 #include "formats/volume.h"
+#include "tests/bench/mesh_files.h"
 #include "tests/reference/distance.h"
 #include "tests/reference/shapes.h"
 #include "tests/reference/winding_number.h"
@@ -254,16 +255,8 @@ nlohmann::json json(const Row& row) {
           {"between_samples_voxels", json(row.between)}};
 }
 
-std::vector<std::filesystem::path> meshFiles(const std::filesystem::path& folder) {
-  std::vector<std::filesystem::path> files;
-  for (const auto& entry : std::filesystem::directory_iterator(folder))
-    if (entry.is_regular_file() && isMeshFile(entry.path())) files.push_back(entry.path());
-  std::sort(files.begin(), files.end());
-  return files;
-}
-
 int run(const Options& options) {
-  const auto files = meshFiles(options.folder);
+  const auto files = bench::meshFiles(options.folder);
   if (files.empty()) {
     fmt::print(stderr, "{}: holds no .obj, .ply, .stl or .off file\n", options.folder.string());
     return 1;
