@@ -19,6 +19,7 @@ Json toJson(const MeshDiagnosis& found) {
           {"nonManifoldEdges", found.nonManifoldEdges},
           {"inconsistentEdges", found.inconsistentEdges},
           {"reorientedTriangles", found.reorientedTriangles},
+          {"turnedOutward", found.turnedOutward},
           {"verticesMerged", found.verticesMerged},
           {"duplicateTriangles", found.duplicateTriangles},
           {"degenerateTriangles", found.degenerateTriangles}};
@@ -128,6 +129,8 @@ std::vector<std::string> remarks(const MeshDiagnosis& found, double ambiguousSig
     lines.push_back(count(found.boundaryEdges, "boundary edge", "boundary edges") + ": inside is decided by the winding number");
   if (found.reorientedTriangles > 0)
     lines.push_back("turned " + count(found.reorientedTriangles, "triangle", "triangles") + " to agree with their neighbours");
+  if (found.turnedOutward > 0)
+    lines.push_back("turned " + count(found.turnedOutward, "triangle", "triangles") + " outward: the orientation as given decided nothing");
   if (found.insideOut) lines.push_back("is inside out: its inside was taken as solid all the same");
   if (found.nonManifoldEdges > 0) lines.push_back(count(found.nonManifoldEdges, "edge has", "edges have") + " more than two triangles");
   if (found.duplicateTriangles > 0)

@@ -14,9 +14,8 @@ struct PreparedMesh {
   glm::dvec3 middle{0.0};
 };
 
-/// Recentres in double, so that neither place nor scale of a mesh changes a result, then repairs (bake/repair.h) and,
-/// where the orientation decides nothing, turns pieces outward (bake/outside.h). `mesh` has a triangle and finite
-/// positions.
+/// Recentres in double, so that neither place nor scale of a mesh changes a result, then repairs (bake/repair.h) and, where the orientation
+/// decides nothing, turns pieces outward (bake/outside.h). `mesh` has a triangle and finite positions.
 PreparedMesh prepare(const Mesh& mesh);
 
 }  // namespace overcast

@@ -6,6 +6,7 @@
 
 #include <gtest/gtest.h>
 
+#include "bake/outside.h"
 #include "tests/bake/test_meshes.h"
 #include "tests/reference/shapes.h"
 
@@ -179,6 +180,43 @@ TEST(Repair, KleinBottleIsNotClosedForTheWindingNumber) {
       mesh.triangles.emplace_back(at(i, j), at(i + 1, j + 1), at(i, j + 1));
     }
   EXPECT_FALSE(repair(mesh).found.closed);
+}
+
+/// Every triangle on its own, a little apart from its neighbours; half of them turned.
+Mesh unorientedSoup(const Mesh& mesh) {
+  Mesh soup = unwelded(mesh);
+  for (const glm::uvec3& t : soup.triangles) {
+    const glm::dvec3 middle = (soup.positions[t.x] + soup.positions[t.y] + soup.positions[t.z]) / 3.0;
+    for (int i = 0; i < 3; ++i) soup.positions[t[i]] = middle + 0.95 * (soup.positions[t[i]] - middle);
+  }
+  return reference::withFlips(soup, 0.5, 9);
+}
+
+TEST(Outside, TurnsASoupOfAClosedShapeOutward) {
+  const Mesh torus = torusMesh(1.0, 0.4, 48, 24);
+  RepairedMesh repaired = repair(unorientedSoup(torus));
+  const std::uint64_t turned = orientByOutside(repaired);
+  EXPECT_EQ(turned, repaired.found.turnedOutward);
+  EXPECT_NEAR(static_cast<double>(turned), 0.5 * static_cast<double>(torus.triangles.size()), 100.0);
+  for (const glm::uvec3& t : repaired.mesh.triangles) {
+    const auto& p = repaired.mesh.positions;
+    const glm::dvec3 middle = (p[t.x] + p[t.y] + p[t.z]) / 3.0;
+    const glm::dvec3 ring = glm::normalize(glm::dvec3(middle.x, 0.0, middle.z));
+    ASSERT_GT(glm::dot(glm::cross(p[t.y] - p[t.x], p[t.z] - p[t.x]), middle - ring), 0.0);
+  }
+}
+
+TEST(Outside, LeavesSheetsHolesAndClosedMeshesAlone) {
+  Mesh sheet = boxBetween(glm::dvec3(0.0), glm::dvec3(1.0));
+  sheet.triangles.resize(2);
+  Mesh bowl = sphereMesh(glm::dvec3(0.0), 1.0, 24, 32);
+  bowl.triangles.erase(bowl.triangles.begin(), bowl.triangles.begin() + 700);
+  const Mesh inverted = insideOut(sphereMesh(glm::dvec3(0.0), 1.0, 24, 32));
+  for (const Mesh* mesh : std::initializer_list<const Mesh*>{&sheet, &bowl, &inverted}) {
+    RepairedMesh repaired = repair(*mesh);
+    EXPECT_EQ(orientByOutside(repaired), 0u);
+    EXPECT_EQ(repaired.mesh.triangles, repair(*mesh).mesh.triangles);
+  }
 }
 
 TEST(Repair, OnlyDegenerateTrianglesDoNotCrash) {
