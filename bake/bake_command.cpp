@@ -12,6 +12,7 @@
 #include "bake/bake_report.h"
 #include "bake/choice_options.h"
 #include "bake/command.h"
+#include "bake/defects.h"
 #include "bake/progress_bar.h"
 #include "bake/scene_bake.h"
 #include "formats/console.h"
@@ -57,6 +58,17 @@ void addOptions(CLI::App& app, Options& options) {
       ->check(CLI::Range(0, 100000000))
       ->capture_default_str();
   app.add_option("--seed", settings.seed, "seed of these points")->capture_default_str();
+  static const std::map<std::string, SheetMode> sheets = {
+      {"auto", SheetMode::automatic}, {"signed", SheetMode::none}, {"two-sided", SheetMode::all}};
+  app.add_option(
+         "--sheets", settings.sheets.mode,
+         "auto: parts without an inside and plates thinner than a voxel get two sides and a thickness; two-sided: everything; signed: "
+         "nothing")
+      ->transform(CLI::CheckedTransformer(sheets))
+      ->default_str("auto");
+  app.add_option("--thickness", settings.sheets.thickness,
+                 "thickness of such sheets in units of the mesh [the diagonal of a voxel: the least that leaves no hole]")
+      ->check(positiveNumber);
   addChoiceOptions(app, options.choice);
   app.add_option("--threads", options.threads, "threads to use; 0: all. The result is the same for any number")
       ->check(CLI::Range(0, 4096))
@@ -78,6 +90,7 @@ Result<Done> settleChoice(const CLI::App& app, Options& options) {
     return Error{"", "", "choosing needs a measured error: --error-samples must be above 0, or --resolution given (see --help)"};
   options.settings.choice = choiceSettings(options.choice, {volume.errorSamples, volume.seed});
   options.settings.choice->padding = volume.padding;
+  options.settings.choice->sheets = volume.sheets;
   return Done{};
 }
 
@@ -140,7 +153,9 @@ void bakeWithMessages(SceneBake& bake, const Options& options) {
   bakeMeshes(bake, options.settings, progress, [&](const MeshBake& mesh) {
     if (options.quiet || !mesh.asset) return;
     bar.line(summaryLine(mesh));
-    printNotes(bar, mesh.source, remarks(mesh.found, mesh.ambiguousSign));
+    std::vector<std::string> notes;
+    for (const Defect& defect : defectsOf(mesh)) notes.push_back(defect.text);
+    printNotes(bar, mesh.source, notes);
   });
 }
 

@@ -2,6 +2,8 @@
 
 #include <nlohmann/json.hpp>
 
+#include "bake/defects.h"
+
 namespace overcast {
 namespace {
 
@@ -25,6 +27,11 @@ Json toJson(const MeshDiagnosis& found) {
           {"degenerateTriangles", found.degenerateTriangles}};
 }
 
+Json toJson(const SurfaceReport& surface) {
+  return {{"edges", surface.edges}, {"edgesChecked", surface.edgesChecked}, {"edgesPiercing", surface.edgesPiercing},
+          {"thin", surface.thin},   {"thinShare", surface.thinShare},       {"innerShare", surface.innerShare}};
+}
+
 Json toJson(const MeasuredError& error) {
   return {{"max", error.max},         {"rms", error.rms},
           {"p99", error.p99},         {"surfaceRms", error.surfaceRms},
@@ -37,6 +44,7 @@ void addVolume(Json& json, const Volume& volume, const MeshBake& mesh) {
   json["size"] = {volume.size.x, volume.size.y, volume.size.z};
   json["voxelSize"] = volume.voxelSize;
   json["signMethod"] = volume.signMethod;
+  if (volume.sheetThickness > 0.0) json["sheets"] = {{"thickness", volume.sheetThickness}, {"triangles", mesh.sheetTriangles}};
   json["ambiguousSign"] = mesh.ambiguousSign;
   if (!mesh.inBox) return;
   const MeasuredError& error = *mesh.inBox;
@@ -58,7 +66,8 @@ Json occluderOf(const MeshBake& mesh) {
                {"bits", occluder.bits},
                {"contentHash", occluder.contentHash},
                {"bounds", {{"min", toJson(box.min)}, {"max", toJson(box.max)}}},
-               {"lipschitz", occluder.lipschitz}};
+               {"lipschitz", occluder.lipschitz},
+               {"inside", name(occluder.inside)}};
   if (const auto* volume = std::get_if<Volume>(&*mesh.asset)) addVolume(json, *volume, mesh);
   if (mesh.measured.samples > 0) json["measured"] = toJson(mesh.measured);
   return json;
@@ -84,13 +93,12 @@ Json toJson(const SceneBake& bake, const MeshBake& mesh) {
       {"source", mesh.source}, {"faces", mesh.faces}, {"shared", mesh.sameAs >= 0}, {"seconds", mesh.seconds}, {"settingsHash", mesh.hash}};
   if (!owner.asset) return json;
   json["found"] = toJson(owner.found);
+  json["surface"] = toJson(owner.surface);
+  json["defects"] = Json::array();
+  for (const Defect& defect : defectsOf(owner)) json["defects"].push_back({{"name", defect.name}, {"text", defect.text}});
   json["occluder"] = occluderOf(owner);
   if (owner.choice) json["choice"] = toJson(*owner.choice);
   return json;
-}
-
-std::string count(std::uint64_t number, const char* one, const char* many) {
-  return fmt::format("{} {}", grouped(number), number == 1 ? one : many);
 }
 
 }  // namespace
@@ -101,13 +109,17 @@ std::string grouped(std::uint64_t number) {
   return text;
 }
 
+std::string counted(std::uint64_t number, const char* one, const char* many) {
+  return fmt::format("{} {}", grouped(number), number == 1 ? one : many);
+}
+
 std::string summaryLine(const MeshBake& mesh) {
-  const std::string faces = count(mesh.faces, "face", "faces");
+  const std::string faces = counted(mesh.faces, "face", "faces");
   const char* closed = mesh.found.closed ? "closed" : "open";
   if (mesh.choice) {
     const Score& winner = mesh.choice->scores[mesh.choice->chosen];
     const std::string wrong =
-        winner.error.signErrors == 0 ? "" : ", " + count(winner.error.signErrors, "point", "points") + " on the wrong side";
+        winner.error.signErrors == 0 ? "" : ", " + counted(winner.error.signErrors, "point", "points") + " on the wrong side";
     return fmt::format("{}: {}, {}, {} bytes, {:.2f} s, surface rms {:.3g} % of the diagonal{}{}, {}", mesh.source, faces,
                        name(winner.candidate), grouped(winner.bytes), mesh.seconds, 100.0 * winner.error.surfaceRms / mesh.choice->diagonal,
                        mesh.choice->withinLimits ? "" : " (more than allowed: nothing does better)", wrong, closed);
@@ -123,31 +135,12 @@ std::string choiceJson(const ChoiceRecord& record) {
   return toJson(record).dump();
 }
 
-std::vector<std::string> remarks(const MeshDiagnosis& found, double ambiguousSign) {
-  std::vector<std::string> lines;
-  if (found.boundaryEdges > 0)
-    lines.push_back(count(found.boundaryEdges, "boundary edge", "boundary edges") + ": inside is decided by the winding number");
-  if (found.reorientedTriangles > 0)
-    lines.push_back("turned " + count(found.reorientedTriangles, "triangle", "triangles") + " to agree with their neighbours");
-  if (found.turnedOutward > 0)
-    lines.push_back("turned " + count(found.turnedOutward, "triangle", "triangles") + " outward: the orientation as given decided nothing");
-  if (found.insideOut) lines.push_back("is inside out: its inside was taken as solid all the same");
-  if (found.nonManifoldEdges > 0) lines.push_back(count(found.nonManifoldEdges, "edge has", "edges have") + " more than two triangles");
-  if (found.duplicateTriangles > 0)
-    lines.push_back("left out " + count(found.duplicateTriangles, "duplicate triangle", "duplicate triangles"));
-  if (found.degenerateTriangles > 0) lines.push_back(count(found.degenerateTriangles, "triangle has", "triangles have") + " no area");
-  if (ambiguousSign > 0.05)
-    lines.push_back(fmt::format("inside and outside are a matter of opinion for {:.0f} % of the volume: the mesh is far from closed",
-                                100.0 * ambiguousSign));
-  return lines;
-}
-
 std::vector<std::string> remarks(const MeshReadReport& report) {
   std::vector<std::string> lines;
   if (report.badIndexFaces > 0)
-    lines.push_back("left out " + count(report.badIndexFaces, "face", "faces") + " with an index outside the vertices");
+    lines.push_back("left out " + counted(report.badIndexFaces, "face", "faces") + " with an index outside the vertices");
   if (report.nonFiniteFaces > 0)
-    lines.push_back("left out " + count(report.nonFiniteFaces, "face", "faces") + " with a vertex that is not finite");
+    lines.push_back("left out " + counted(report.nonFiniteFaces, "face", "faces") + " with a vertex that is not finite");
   return lines;
 }
 

@@ -17,12 +17,14 @@ std::string summaryLine(const MeshBake& mesh);
 /// The record as JSON text: diagonal, withinLimits, chosen (an index), scores.
 std::string choiceJson(const ChoiceRecord& record);
 
-/// What the user should know about a mesh, one line each without its name; empty for a clean one.
-std::vector<std::string> remarks(const MeshDiagnosis& found, double ambiguousSign);
+/// What the user should know about how a mesh was read, one line each without its name; empty for a clean one.
 std::vector<std::string> remarks(const MeshReadReport& report);
 
 /// The number with thousands separated by commas.
 std::string grouped(std::uint64_t number);
+
+/// "1 edge", "1,234 edges".
+std::string counted(std::uint64_t number, const char* one, const char* many);
 
 /// What happened to one input besides its meshes.
 struct InputReport {

@@ -34,6 +34,7 @@ Result<Asset> volumeOf(Source& source, const Candidate& candidate, const Progres
   volume.resolution = candidate.size;
   volume.padding = source.settings.padding;
   volume.bits = VolumeBits::single;
+  volume.sheets = source.settings.sheets;
   volume.errorSamples = 0;
   auto baked = bakeVolume(source.mesh, volume, progress);
   if (!baked) return baked.error();
@@ -150,7 +151,9 @@ class Chooser {
   double lightExcess(const Score& score) const {
     return std::max(score.error.skyRmse / settings_.maxSkyError, signShare(score) / kMaxSignErrors);
   }
-  double excess(const Score& score) const { return std::max(score.error.surfaceRms / limit_, lightExcess(score)); }
+  /// Of a mesh with sheets, their thickness counts as error unless it was asked for.
+  static double offBy(const Score& score) { return std::max(score.error.surfaceRms, score.thickened); }
+  double excess(const Score& score) const { return std::max(offBy(score) / limit_, lightExcess(score)); }
 
   bool meetsLimits(Representation representation) const {
     return std::any_of(scores_.begin(), scores_.end(), [&](const Score& score) {
@@ -214,6 +217,8 @@ class Chooser {
     score.bytes = stored.value().bytes;
     const Asset& made = stored.value().asset;
     score.composite = compositeCost(settings_.costs, made, score.candidate.bits);
+    if (const auto* volume = std::get_if<Volume>(&made); volume && volume->sheetThickness > 0.0 && settings_.sheets.thickness == 0.0)
+      score.thickened = 0.5 * volume->sheetThickness * std::sqrt(sheetShare(sheetParts(*volume, probes_)));
     score.error = measure(made, probes_, limited() ? kCoarseShare : 1.0);
     if (score.error.samples < settings_.measure.samples && excess(score) <= kCoarseLimit) score.error = measure(made, probes_);
     nearest = std::min(nearest, excess(score));
@@ -238,13 +243,14 @@ class Chooser {
   /// Whether the first is to be kept where none, or nothing but bytes, is within the limits.
   bool moreAccurate(const Score& first, const Score& second) const {
     const bool one = lightExcess(first) <= 1.0, other = lightExcess(second) <= 1.0;
-    return one != other ? one : first.error.surfaceRms < second.error.surfaceRms;
+    return one != other ? one : offBy(first) < offBy(second);
   }
 
   std::string verdict(const Score& score, const Score& winner) const {
     if (!fits(score)) return fmt::format("{} bytes are more than {}", score.bytes, *settings_.maxBytes);
     if (limited() && excess(score) > 1.0) {
       if (score.error.surfaceRms > limit_) return fmt::format("{:.3g} times the error", score.error.surfaceRms / limit_);
+      if (score.thickened > limit_) return "its voxels make sheets thicker than twice the error";
       if (score.error.skyRmse > settings_.maxSkyError)
         return fmt::format("{:.3g} times the error of the sky", score.error.skyRmse / settings_.maxSkyError);
       return fmt::format("{:.3g} % of the points on the wrong side", 100.0 * signShare(score));
@@ -265,6 +271,7 @@ class Chooser {
     Choice choice;
     choice.asset = std::move(best->asset);
     choice.found = probes_.found;
+    choice.prepared = probes_.prepared;
     choice.ambiguousSign = probes_.ambiguousSign;
     ChoiceRecord& record = choice.record;
     record.chosen = best->score;

@@ -4,6 +4,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -44,6 +45,7 @@ struct Score {
   MeasuredError error;      ///< of fewer samples where that already ruled it out; samples is 0 when not measured
   double composite = 0.0;   ///< nanoseconds of one evaluation in the composite, by ChoiceSettings::costs
   std::string reason;       ///< why it was not chosen, or that it was
+  double thickened = 0.0;   ///< root mean square over the surface of what its voxels push sheets outward by, unless a thickness was given
 };
 
 struct ChoiceSettings {
@@ -53,6 +55,7 @@ struct ChoiceSettings {
   std::optional<std::uint64_t> maxBytes;
   int largest = kLargestCandidate;  ///< no larger sizes
   double padding = 2.0;             ///< of volumes, VolumeSettings::padding
+  SheetSettings sheets;             ///< of volumes
   MeasureSettings measure;
   CompositeCosts costs = defaultCompositeCosts();  ///< of the device that the choice is for
   bool everything = false;                         ///< bake and measure every candidate up to `largest` in full: for reports
@@ -70,6 +73,7 @@ struct ChoiceRecord {
 struct Choice {
   Asset asset;
   ChoiceRecord record;
+  std::shared_ptr<const PreparedMesh> prepared;  ///< as it was measured
   MeshDiagnosis found;
   double ambiguousSign = 0.0;  ///< Probes::ambiguousSign
 };
@@ -81,14 +85,14 @@ inline constexpr double kSameCost = 0.1;
 double costOf(const Score& score);
 
 /// Bakes candidates of rising size and keeps the cheapest (costOf; of two representations within kSameCost the one further within the
-/// limits) whose surfaceRms is within maxError, skyRmse within maxSkyError, share of sign errors within kMaxSignErrors and bytes within
-/// maxBytes. When none is within all, or only maxBytes is given: the one of least surfaceRms within maxBytes (or within nothing where there
-/// is no maxBytes), those that keep to sky and sign before those that do not; then withinLimits is false if a limit was missed. An open
-/// mesh has no inside: a heightfield is tried from the side that its triangles face, and from the other where nothing from there is within
-/// the limits. Sizes of a representation are not tried beyond the first that meets the limits, nor beyond two that came no nearer to them
-/// than the size before each, nor beyond what already costs more than a candidate that does; candidates are measured with an eighth of the
-/// samples first, and no further when that is over twice a limit. A winner with sign errors has its count in the record and in every
-/// report. Deterministic. An Error when no candidate can represent the mesh or fits maxBytes, or `progress` asked to stop
+/// limits) whose surfaceRms and thickened are within maxError, skyRmse within maxSkyError, share of sign errors within kMaxSignErrors and
+/// bytes within maxBytes. When none is within all, or only maxBytes is given: the one of least surfaceRms within maxBytes (or within
+/// nothing where there is no maxBytes), those that keep to sky and sign before those that do not; then withinLimits is false if a limit was
+/// missed. An open mesh has no inside: a heightfield is tried from the side that its triangles face, and from the other where nothing from
+/// there is within the limits. Sizes of a representation are not tried beyond the first that meets the limits, nor beyond two that came no
+/// nearer to them than the size before each, nor beyond what already costs more than a candidate that does; candidates are measured with an
+/// eighth of the samples first, and no further when that is over twice a limit. A winner with sign errors has its count in the record and
+/// in every report. Deterministic. An Error when no candidate can represent the mesh or fits maxBytes, or `progress` asked to stop
 /// ("interrupted").
 Result<Choice> choose(const Mesh& mesh, const ChoiceSettings& settings, const Progress& progress = {});
 

@@ -8,6 +8,7 @@
 
 #include "bake/bake_report.h"
 #include "bake/command.h"
+#include "bake/defects.h"
 #include "bake/repair.h"
 #include "formats/console.h"
 #include "formats/extension_json.h"
@@ -74,8 +75,10 @@ void inspectMesh(const MeshFile& file, Findings& findings) {
                                        grouped(file.mesh.triangles.size()), grouped(found.components), found.closed ? "closed" : "open",
                                        text(bounds(file.mesh))));
   std::vector<std::string> notes = remarks(file.report);
-  const std::vector<std::string> more = remarks(found, 0.0);
-  notes.insert(notes.end(), more.begin(), more.end());
+  MeshBake seen;
+  seen.found = found;
+  seen.faces = file.mesh.triangles.size();
+  for (const Defect& defect : defectsOf(seen)) notes.push_back(defect.text);
   findings.json["notes"] = notes;
   for (const std::string& note : notes) findings.lines.push_back("note: " + note);
 }

@@ -227,50 +227,7 @@ std::vector<std::uint8_t> nearestAtRim(const Mesh& mesh, const Probes& probes) {
   return atRim;
 }
 
-}  // namespace
-
-Probes drawProbes(const Mesh& mesh, const MeasureSettings& settings) {
-  OVERCAST_REQUIRE(settings.samples > 0, "measuring at {} points", settings.samples);
-  const PreparedMesh prepared = prepare(mesh);
-  const Mesh& centred = prepared.repaired.mesh;
-  const Box box = bounds(centred);
-  Probes probes;
-  probes.settings = settings;
-  probes.found = prepared.repaired.found;
-  probes.diagonal = diagonal(box);
-  const Box influence = grown(box, probes.diagonal);
-  for (std::uint64_t i = 0; i < settings.samples; ++i) probes.points.push_back(pointOf(influence, settings, Sequence::influence, i));
-  probes.receivers = drawReceivers(box, settings);
-  const Sky sky = skyAround(probes.diagonal);
-  for (const Receiver& receiver : probes.receivers)
-    for (int i = 0; i < sky.estimator.taps; ++i) probes.points.push_back(sky.tap(receiver, i));
-  probes.exact = distanceAt(centred, probes.points);
-  const Measured near = drawNear(centred, box, settings);
-  const auto behindFirst = static_cast<std::ptrdiff_t>(settings.samples);
-  probes.points.insert(probes.points.begin() + behindFirst, near.points.begin(), near.points.end());
-  probes.exact.insert(probes.exact.begin() + behindFirst, near.distance.begin(), near.distance.end());
-  probes.nearEnd = settings.samples + near.points.size();
-
-  constexpr int kCells = 64;
-  const glm::dvec3 size = extent(influence);
-  Grid grid;
-  grid.size = glm::ivec3(kCells + 1);
-  grid.voxelSize = std::max({size.x, size.y, size.z}) / kCells;
-  grid.origin = glm::dvec3(-0.5 * kCells * grid.voxelSize);
-  probes.winding = windingAt(centred, grid, probes.points);
-  if (!probes.found.closed) probes.atRim = nearestAtRim(centred, probes);
-  const auto nearPoints = std::span(probes.winding).subspan(settings.samples, near.points.size());
-  const auto ambiguous = std::count_if(nearPoints.begin(), nearPoints.end(), isAmbiguous);
-  if (!near.points.empty()) probes.ambiguousSign = static_cast<double>(ambiguous) / static_cast<double>(near.points.size());
-  for (glm::dvec3& point : probes.points) point += prepared.middle;
-  for (Receiver& receiver : probes.receivers) receiver.point += prepared.middle;
-  return probes;
-}
-
-MeasuredError measure(const DistanceFunction& distance, const Probes& probes, double share) {
-  const Selection selection = select(probes, share);
-  const std::vector<double> sampled = sampleAt(distance, probes, selection);
-  const std::vector<Truth> truth = truthFor(probes, sampled);
+MeasuredError errorOf(const Probes& probes, const Selection& selection, std::span<const double> sampled, std::span<const Truth> truth) {
   MeasuredError error;
   error.samples = selection.influence;
   error.seed = probes.settings.seed;
@@ -279,7 +236,7 @@ MeasuredError measure(const DistanceFunction& distance, const Probes& probes, do
     const double difference = std::abs(sampled[i] - truth[i].distance);
     error.max = std::max(error.max, difference);
     error.signErrors +=
-        truth[i].known && probes.exact[i] > kClearlyOff * probes.diagonal && (sampled[i] < 0.0) != (truth[i].distance < 0.0);
+        truth[i].known && std::abs(truth[i].distance) > kClearlyOff * probes.diagonal && (sampled[i] < 0.0) != (truth[i].distance < 0.0);
     return difference;
   };
   std::vector<double> differences;
@@ -304,8 +261,83 @@ MeasuredError measure(const DistanceFunction& distance, const Probes& probes, do
   return error;
 }
 
+/// A grid over a box about the origin, for the lattice of the winding number.
+Grid gridOver(const Box& box) {
+  constexpr int kCells = 64;
+  const glm::dvec3 size = extent(box);
+  Grid grid;
+  grid.size = glm::ivec3(kCells + 1);
+  grid.voxelSize = std::max({size.x, size.y, size.z}) / kCells;
+  grid.origin = glm::dvec3(-0.5 * kCells * grid.voxelSize);
+  return grid;
+}
+
+/// The field of `volume`'s sheets at every point of the probes, known throughout.
+std::vector<Truth> sheetTruth(const Volume& volume, const Probes& probes) {
+  std::vector<glm::dvec3> points = probes.points;
+  for (glm::dvec3& point : points) point -= probes.prepared->middle;
+  const Box box = bounds(probes.prepared->repaired.mesh);
+  std::vector<Truth> truth;
+  for (const double phi : fieldAt(sheetParts(volume, probes), volume.sheetThickness, gridOver(grown(box, probes.diagonal)), points))
+    truth.push_back({phi, false, true});
+  return truth;
+}
+
+}  // namespace
+
+Probes drawProbes(const Mesh& mesh, const MeasureSettings& settings) {
+  OVERCAST_REQUIRE(settings.samples > 0, "measuring at {} points", settings.samples);
+  auto preparedMesh = std::make_shared<const PreparedMesh>(prepare(mesh));
+  const PreparedMesh& prepared = *preparedMesh;
+  const Mesh& centred = prepared.repaired.mesh;
+  const Box box = bounds(centred);
+  Probes probes;
+  probes.settings = settings;
+  probes.found = prepared.repaired.found;
+  probes.diagonal = diagonal(box);
+  const Box influence = grown(box, probes.diagonal);
+  for (std::uint64_t i = 0; i < settings.samples; ++i) probes.points.push_back(pointOf(influence, settings, Sequence::influence, i));
+  probes.receivers = drawReceivers(box, settings);
+  const Sky sky = skyAround(probes.diagonal);
+  for (const Receiver& receiver : probes.receivers)
+    for (int i = 0; i < sky.estimator.taps; ++i) probes.points.push_back(sky.tap(receiver, i));
+  probes.exact = distanceAt(centred, probes.points);
+  const Measured near = drawNear(centred, box, settings);
+  const auto behindFirst = static_cast<std::ptrdiff_t>(settings.samples);
+  probes.points.insert(probes.points.begin() + behindFirst, near.points.begin(), near.points.end());
+  probes.exact.insert(probes.exact.begin() + behindFirst, near.distance.begin(), near.distance.end());
+  probes.nearEnd = settings.samples + near.points.size();
+
+  probes.winding = windingAt(centred, gridOver(influence), probes.points);
+  if (!probes.found.closed) probes.atRim = nearestAtRim(centred, probes);
+  const auto nearPoints = std::span(probes.winding).subspan(settings.samples, near.points.size());
+  const auto ambiguous = std::count_if(nearPoints.begin(), nearPoints.end(), isAmbiguous);
+  if (!near.points.empty()) probes.ambiguousSign = static_cast<double>(ambiguous) / static_cast<double>(near.points.size());
+  for (glm::dvec3& point : probes.points) point += prepared.middle;
+  for (Receiver& receiver : probes.receivers) receiver.point += prepared.middle;
+  probes.table = std::make_shared<const SheetTable>(sheetTable(centred));
+  probes.prepared = std::move(preparedMesh);
+  return probes;
+}
+
+SheetParts sheetParts(const Volume& volume, const Probes& probes) {
+  const bool stated = volume.sheetThickness > 0.0;
+  const SheetMode mode = !stated ? SheetMode::none : volume.inside == Inside::none ? SheetMode::all : SheetMode::automatic;
+  return takeApart(probes.prepared->repaired.mesh, findSheets(*probes.table, mode, volume.sheetThickness));
+}
+
+MeasuredError measure(const DistanceFunction& distance, const Probes& probes, double share) {
+  const Selection selection = select(probes, share);
+  const std::vector<double> sampled = sampleAt(distance, probes, selection);
+  return errorOf(probes, selection, sampled, truthFor(probes, sampled));
+}
+
 MeasuredError measure(const Asset& asset, const Probes& probes, double share) {
-  return measure([&](const glm::dvec3& point) { return sampleAsset(asset, point); }, probes, share);
+  const auto distance = [&](const glm::dvec3& point) { return sampleAsset(asset, point); };
+  const auto* volume = std::get_if<Volume>(&asset);
+  if (!volume || !(volume->sheetThickness > 0.0)) return measure(distance, probes, share);
+  const Selection selection = select(probes, share);
+  return errorOf(probes, selection, sampleAt(distance, probes, selection), sheetTruth(*volume, probes));
 }
 
 }  // namespace overcast

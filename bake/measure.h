@@ -19,16 +19,20 @@
 // is known. Of a mesh that is not closed, points behind it (w > 0.02 on the side that phi takes for solid, which is the sign of the sum of
 // w over the points near the surface where phi < 0) and points whose nearest place is on a boundary edge have an error only where |phi|
 // exceeds the exact distance, which no surface that holds the mesh can do, or where phi is outside although inside is decided; they
-// count for surfaceRms only with such an error. Taps of receivers there likewise.
+// count for surfaceRms only with such an error. Taps of receivers there likewise. A volume that states sheets is compared with the field of
+// bake/sheets.h in the thickness it states instead: two sides leave no sign open.
 #pragma once
 
 #include <cstdint>
 #include <functional>
+#include <memory>
 #include <vector>
 
 #include <glm/vec3.hpp>
 
+#include "bake/prepare.h"
 #include "bake/repair.h"
+#include "bake/sheets.h"
 #include "formats/asset.h"
 #include "formats/mesh.h"
 #include "formats/occluder.h"
@@ -63,6 +67,8 @@ struct Probes {
   std::vector<std::uint8_t> atRim;  ///< 1 where the nearest place of the mesh is on a boundary edge; empty when it is closed
   std::size_t nearEnd = 0;          ///< index behind the last point near the surface
   std::vector<Receiver> receivers;  ///< every second one on the ground
+  std::shared_ptr<const PreparedMesh> prepared;
+  std::shared_ptr<const SheetTable> table;
 };
 
 /// Draws the points and takes the exact distances. Costs two trees over the mesh and a query per point; the mesh has a triangle and an
@@ -75,6 +81,9 @@ using DistanceFunction = std::function<double(const glm::dvec3&)>;
 /// The error of `distance`, from the first `share` (0 to 1] of the points of each kind; `samples` says how many that were of the first
 /// kind. Same result for any thread count.
 MeasuredError measure(const DistanceFunction& distance, const Probes& probes, double share = 1.0);
+
+/// The mesh of the probes, centred, as `volume` took it apart: by the thickness and the inside that it states.
+SheetParts sheetParts(const Volume& volume, const Probes& probes);
 MeasuredError measure(const Asset& asset, const Probes& probes, double share = 1.0);
 
 }  // namespace overcast

@@ -107,19 +107,35 @@ std::uint64_t turnOutward(Mesh& mesh, const Flood& flood) {
   return turned;
 }
 
+/// Share of samples whose side the winding number leaves open, or decides otherwise than the flood.
+double undecided(const SignField& sign, const Grid& grid, const Flood& flood) {
+  std::uint64_t against = 0;
+  std::size_t i = 0;
+  for (int z = 0; z < grid.size.z; ++z)
+    for (int y = 0; y < grid.size.y; ++y)
+      for (int x = 0; x < grid.size.x; ++x, ++i) {
+        const Label label = flood.at(grid.origin + grid.voxelSize * glm::dvec3(x, y, z));
+        against += label == (sign.inside[i] != 0 ? Label::outside : Label::enclosed) ? 1 : 0;
+      }
+  return sign.ambiguous + static_cast<double>(against) / static_cast<double>(i);
+}
+
 }  // namespace
 
 std::uint64_t orientByOutside(RepairedMesh& repaired) {
   if (repaired.found.closed || extent(bounds(repaired.mesh)) == glm::dvec3(0.0)) return 0;
   const Grid judging = gridAbout(repaired.mesh, kJudgingResolution);
-  const double before = signField(repaired.mesh, judging).ambiguous;
-  if (before <= kUndecided) return 0;
+  const SignField given = signField(repaired.mesh, judging);
+  // The winding number of a fine soup of any orientation cancels: it is small everywhere and looks decided.
+  const bool soup = 2 * repaired.found.boundaryEdges > repaired.mesh.triangles.size();
+  if (given.ambiguous <= kUndecided && !soup) return 0;
   for (const int resolution : {64, 32, 16}) {
     const Flood flood = floodAbout(repaired.mesh, resolution);
     if (!flood.encloses) continue;
+    const double before = undecided(given, judging, flood);
     Mesh turnedMesh = repaired.mesh;
-    const std::uint64_t turned = turnOutward(turnedMesh, flood);
-    if (turned == 0 || signField(turnedMesh, judging).ambiguous > kLess * before) continue;
+    const std::uint64_t turned = before > kUndecided ? turnOutward(turnedMesh, flood) : 0;
+    if (turned == 0 || undecided(signField(turnedMesh, judging), judging, flood) > kLess * before) continue;
     repaired.mesh.triangles = std::move(turnedMesh.triangles);
     repaired.found.turnedOutward = turned;
     countBoundary(repaired.mesh, repaired.found);

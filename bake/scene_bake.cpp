@@ -33,6 +33,8 @@ std::string bakeHash(const Mesh& mesh, const BakeSettings& bakeSettings) {
       fmt::format("volume {} {} {} {} {:x} {:x} {} {} {}", kBakerVersion, bytesHash(mesh.positions), bytesHash(mesh.triangles),
                   settings.resolution, std::bit_cast<std::uint64_t>(settings.voxelSize), std::bit_cast<std::uint64_t>(settings.padding),
                   static_cast<int>(settings.bits), settings.errorSamples, settings.seed);
+  const SheetSettings& sheets = bakeSettings.choice ? bakeSettings.choice->sheets : settings.sheets;
+  text += fmt::format(" sheets {} {:x}", static_cast<int>(sheets.mode), std::bit_cast<std::uint64_t>(sheets.thickness));
   if (bakeSettings.choice) {
     const ChoiceSettings& choice = *bakeSettings.choice;
     text += fmt::format(" choice {} {:x} {:x} {} {} {:x} {} {}", choice.only ? name(*choice.only) : "any",
@@ -125,11 +127,18 @@ Result<Occluder> writeAssetOf(const MeshBake& mesh, const std::string& name, con
   const auto bytes = writeAsset(folder, stem, asset, occluder, bits);
   if (!bytes) return bytes.error();
   // Contact shadows fade with the size of what casts them: beyond one diagonal an object no longer darkens visibly.
+  if (occluder.inside == Inside::unstated) occluder.inside = mesh.found.closed ? Inside::solid : Inside::open;
   occluder.influenceRadius = diagonal(occluder.bounds);
   occluder.error = mesh.measured;
   occluder.source = mesh.source;
   occluder.settingsHash = mesh.hash;
   return occluder;
+}
+
+/// Below which thickness a part of the mesh is thin for the asset.
+double thinFor(const Asset& asset, const Box& box) {
+  const auto* volume = std::get_if<Volume>(&asset);
+  return volume ? volume->voxelSize : 0.01 * diagonal(box);
 }
 
 /// Bakes one mesh and measures what came out. An Error without a file.
@@ -143,18 +152,22 @@ Result<Done> bakeMesh(MeshBake& job, const Mesh& mesh, const BakeSettings& setti
     job.ambiguousSign = choice.ambiguousSign;
     job.choice = std::move(choice.record);
     job.asset = std::move(choice.asset);
+    job.surface = examineSurface(choice.prepared->repaired, thinFor(*job.asset, bounds(mesh)));
     return Done{};
   }
   auto made = bakeVolume(mesh, settings.volume, progress);
   if (!made) return made.error();
   BakedVolume& baked = made.value();
-  if (settings.volume.errorSamples > 0)
-    job.measured = measure([&](const glm::dvec3& point) { return sampleVolume(baked.volume, point); },
-                           drawProbes(mesh, {settings.volume.errorSamples, settings.volume.seed}));
   job.found = baked.found;
   job.ambiguousSign = baked.ambiguousSign;
   job.inBox = baked.error;
+  job.sheetTriangles = baked.sheetTriangles;
   job.asset = std::move(baked.volume);
+  if (settings.volume.errorSamples > 0) {
+    const Probes probes = drawProbes(mesh, {settings.volume.errorSamples, settings.volume.seed});
+    job.measured = measure(*job.asset, probes);
+    job.surface = examineSurface(probes.prepared->repaired, thinFor(*job.asset, bounds(mesh)));
+  }
   return Done{};
 }
 

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "bake/choose.h"
+#include "bake/examine.h"
 #include "bake/volume.h"
 #include "formats/mesh.h"
 #include "formats/scene.h"
@@ -45,6 +46,8 @@ struct MeshBake {
   MeasuredError measured;      ///< of the asset (bake/measure.h); samples is 0 when not measured
   MeshDiagnosis found;
   double ambiguousSign = 0.0;          ///< BakedVolume or Probes
+  std::uint64_t sheetTriangles = 0;    ///< BakedVolume
+  SurfaceReport surface;               ///< thin: a voxel of a volume, a hundredth of the diagonal of anything else
   std::optional<MeasuredError> inBox;  ///< BakedVolume::error, without choice
   std::optional<ChoiceRecord> choice;  ///< with choice
   std::optional<Error> error;

@@ -75,6 +75,9 @@ std::vector<std::string> checkAsset(Occluder occluder, const fs::path& folder) {
   const auto* volume = std::get_if<Volume>(&asset.value());
   if (volume && volume->signMethod != occluder.signMethod)
     findings.push_back(fmt::format("{}: sign method '{}' differs from the scene's '{}'", file, volume->signMethod, occluder.signMethod));
+  if (volume && (volume->inside != occluder.inside || volume->sheetThickness != occluder.sheetThickness))
+    findings.push_back(fmt::format("{}: inside '{}' with sheets of {} differs from the scene's '{}' of {}", file, name(volume->inside),
+                                   volume->sheetThickness, name(occluder.inside), occluder.sheetThickness));
   if (volume && occluder.bits > 0 && (volume->step > 0.0f) != (occluder.bits == 8))
     findings.push_back(
         fmt::format("{}: holds values of {} bits, the scene says {}", file, volume->step > 0.0f ? "8" : "more than 8", occluder.bits));

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <map>
 
+#include "bake/edges.h"
 #include "bake/measure.h"
 #include "bake/scene_bake.h"
 #include "bake/sign.h"
@@ -21,13 +22,23 @@ void compare(const char* what, double stated, double measured, double unit, std:
   findings.push_back(fmt::format("states {} {:.6g}, measured {:.6g}", what, stated, measured));
 }
 
+/// How the inside of such a field is found.
+std::string methodFor(Inside inside, const SheetParts& parts) {
+  if (inside == Inside::none) return kTwoSided;
+  return netBoundary(parts.solids.triangles).empty() ? kSignedCrossings : kWindingNumber;
+}
+
 /// What the source says against the asset.
 std::vector<std::string> compareWith(const Mesh& source, const Occluder& occluder, const Asset& asset) {
   std::vector<std::string> findings;
   const MeasuredError& stated = occluder.error;
   const Probes probes = drawProbes(source, {stated.samples, stated.seed});
-  const char* method = probes.found.closed ? kSignedCrossings : kWindingNumber;
   if (const auto* volume = std::get_if<Volume>(&asset)) {
+    const SheetParts parts = sheetParts(*volume, probes);
+    const Inside inside = insideOf(probes.found, parts);
+    const std::string method = methodFor(inside, parts);
+    if (volume->inside != Inside::unstated && volume->inside != inside)
+      findings.push_back(fmt::format("states that its inside is '{}', that of the source is '{}'", name(volume->inside), name(inside)));
     if (volume->signMethod != occluder.signMethod || volume->signMethod != method)
       findings.push_back(
           fmt::format("states sign method '{}', its file '{}', the source needs '{}'", occluder.signMethod, volume->signMethod, method));

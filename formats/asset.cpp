@@ -42,6 +42,8 @@ constexpr FileKind<HeightField> kindOf() {
 /// What only some kinds know of themselves.
 void describe(const Volume& volume, VolumeBits bits, Occluder& occluder) {
   occluder.signMethod = volume.signMethod;
+  occluder.inside = volume.inside;
+  occluder.sheetThickness = volume.sheetThickness;
   occluder.bits = bitCount(chooseBits(volume, bits));
 }
 template <class T>

@@ -64,6 +64,15 @@ void readMeasuredError(Fields fields, MeasuredError& error) {
   if (fields.has("method")) fields.text("method", error.method, false);
 }
 
+void readInside(Fields& fields, Occluder& occluder) {
+  std::string text;
+  fields.text("inside", text, false);
+  const auto inside = insideNamed(text);
+  if (!inside) fields.fail("inside", fmt::format("'{}' is not known", text));
+  occluder.inside = inside.value_or(Inside::unstated);
+  if (fields.has("sheetThickness")) fields.number("sheetThickness", occluder.sheetThickness, kSmallestNumber, kLargestNumber);
+}
+
 void readOccluder(Fields& fields, Occluder& occluder) {
   fields.version(kOccluderVersion);
   std::string text;
@@ -82,6 +91,7 @@ void readOccluder(Fields& fields, Occluder& occluder) {
   fields.number("influenceRadius", occluder.influenceRadius, 0.0, kLargestNumber);
   fields.number("lipschitz", occluder.lipschitz, kSmallestNumber, kLargestNumber);
   fields.text("signMethod", occluder.signMethod, true);
+  if (fields.has("inside")) readInside(fields, occluder);
   readMeasuredError(fields.child("error"), occluder.error);
   fields.text("source", occluder.source, true);
   fields.text("settingsHash", occluder.settingsHash, true);
@@ -166,6 +176,8 @@ std::string occluderJson(const Occluder& occluder) {
   json["influenceRadius"] = occluder.influenceRadius;
   json["lipschitz"] = occluder.lipschitz;
   json["signMethod"] = occluder.signMethod;
+  if (occluder.inside != Inside::unstated) json["inside"] = name(occluder.inside);
+  if (occluder.sheetThickness > 0.0) json["sheetThickness"] = occluder.sheetThickness;
   json["error"] = measuredErrorJson(occluder.error);
   json["source"] = occluder.source;
   json["settingsHash"] = occluder.settingsHash;

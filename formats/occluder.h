@@ -6,6 +6,7 @@
 #include <string>
 #include <string_view>
 
+#include "formats/inside.h"
 #include "formats/mesh.h"
 #include "formats/primitive.h"
 
@@ -41,7 +42,9 @@ struct Occluder {
   Box bounds;                             ///< box within which the representation is defined
   double influenceRadius = 0.0;           ///< distance beyond the bounds up to which it is meant to occlude
   double lipschitz = 1.7320508075688772;  ///< bound on |grad phi| of the runtime's distance or lower bound of it; culling uses it
-  std::string signMethod;                 ///< bake/sign.h
+  Inside inside = Inside::unstated;
+  double sheetThickness = 0.0;  ///< Volume::sheetThickness
+  std::string signMethod;       ///< bake/sign.h
   MeasuredError error;
   std::string source;        ///< file name (no folder) and mesh it was baked from
   std::string settingsHash;  ///< hash of source bytes and bake settings

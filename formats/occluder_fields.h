@@ -18,8 +18,8 @@ void fields(Archive& archive, MeasuredError& error) {
 template <class Archive>
 void fields(Archive& archive, Occluder& occluder) {
   archive(occluder.representation, occluder.uri, occluder.contentHash, occluder.bytes, occluder.primitive, occluder.bounds,
-          occluder.influenceRadius, occluder.lipschitz, occluder.bits, occluder.signMethod, occluder.error, occluder.source,
-          occluder.settingsHash);
+          occluder.influenceRadius, occluder.lipschitz, occluder.bits, occluder.inside, occluder.sheetThickness, occluder.signMethod,
+          occluder.error, occluder.source, occluder.settingsHash);
 }
 
 }  // namespace overcast

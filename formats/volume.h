@@ -9,6 +9,7 @@
 
 #include <glm/vec3.hpp>
 
+#include "formats/inside.h"
 #include "formats/mesh.h"
 #include "formats/result.h"
 #include "formats/sandbox.h"
@@ -22,8 +23,10 @@ struct Volume {
   glm::dvec3 origin{0.0};  ///< position of sample (0, 0, 0)
   double voxelSize = 0.0;  ///< spacing of samples, the same along all axes
   std::vector<float> distance;
-  std::string signMethod;  ///< how inside was decided, e.g. "signed-crossings" or "winding-number" (bake/sign.h)
-  float step = 0.0f;       ///< positive: every distance is q * step, q whole, -127 .. 127 (VolumeBits::snorm8); 0: distances are any floats
+  Inside inside = Inside::unstated;
+  double sheetThickness = 0.0;  ///< local units; of the sheets that have two sides instead of an inside (bake/sheets.h), 0 without any
+  std::string signMethod;       ///< how inside was decided, e.g. "signed-crossings" or "winding-number" (bake/sign.h)
+  float step = 0.0f;  ///< positive: every distance is q * step, q whole, -127 .. 127 (VolumeBits::snorm8); 0: distances are any floats
 };
 
 inline constexpr int kVolumeVersion = 1;     ///< version of the .vdb layout, stored as metadata `overcast_version`
@@ -73,10 +76,10 @@ const char* name(VolumeBits bits);
 /// untouched. Errors of a baked volume are measured on this. Distances that half floats cannot hold become infinite.
 Volume asStored(Volume volume, VolumeBits bits = VolumeBits::automatic);
 
-/// The bytes of the file: one dense float grid named `distance`, class level set, with metadata overcast_version, overcast_sign_method and
-/// overcast_size, UUID made from the content: the same volume gives the same bytes, for any thread count. snorm8 adds overcast_step; the
-/// grid then holds the distances as any reader expects them, deflated to about a byte each. An Error without a file when `bits` is half and
-/// a distance overflows it. `volume` is whole (isWhole).
+/// The bytes of the file: one dense float grid named `distance`, class level set, with metadata overcast_version, overcast_sign_method,
+/// overcast_size and, where they are stated, overcast_inside and overcast_sheet_thickness, UUID made from the content: the same volume
+/// gives the same bytes, for any thread count. snorm8 adds overcast_step; the grid then holds the distances as any reader expects them,
+/// deflated to about a byte each. An Error without a file when `bits` is half and a distance overflows it. `volume` is whole (isWhole).
 Result<std::vector<std::byte>> encodeVolume(const Volume& volume, VolumeBits bits = VolumeBits::automatic);
 
 /// Writes these bytes atomically and returns how many they are; an Error also when the disk fails.

@@ -23,6 +23,8 @@ namespace {
 constexpr float kLargestHalf = 65504.0f;
 constexpr const char* kGridName = "distance";
 constexpr const char* kVersionKey = "overcast_version";
+constexpr const char* kInsideKey = "overcast_inside";
+constexpr const char* kThicknessKey = "overcast_sheet_thickness";
 constexpr const char* kSignKey = "overcast_sign_method";
 constexpr const char* kSizeKey = "overcast_size";
 constexpr const char* kStepKey = "overcast_step";
@@ -88,6 +90,8 @@ openvdb::FloatGrid::Ptr gridOf(const Volume& volume, VolumeBits bits) {
   grid->insertMeta(kVersionKey, openvdb::Int32Metadata(kVolumeVersion));
   grid->insertMeta(kSignKey, openvdb::StringMetadata(volume.signMethod));
   grid->insertMeta(kSizeKey, openvdb::Vec3IMetadata(openvdb::Vec3i(volume.size.x, volume.size.y, volume.size.z)));
+  if (volume.inside != Inside::unstated) grid->insertMeta(kInsideKey, openvdb::StringMetadata(name(volume.inside)));
+  if (volume.sheetThickness > 0.0) grid->insertMeta(kThicknessKey, openvdb::DoubleMetadata(volume.sheetThickness));
   if (bits == VolumeBits::snorm8) grid->insertMeta(kStepKey, openvdb::FloatMetadata(volume.step));
   return grid;
 }
@@ -179,6 +183,12 @@ Result<Done> takeMetadata(const openvdb::FloatGrid& grid, const std::string& fil
     if (size->value() != openvdb::Vec3i(volume.size.x, volume.size.y, volume.size.z))
       return Error{file, kSizeKey, "does not match the active voxels"};
   if (const auto sign = grid.getMetadata<openvdb::StringMetadata>(kSignKey)) volume.signMethod = sign->value();
+  if (const auto inside = grid.getMetadata<openvdb::StringMetadata>(kInsideKey)) {
+    const auto known = insideNamed(inside->value());
+    if (!known) return Error{file, kInsideKey, fmt::format("'{}' is not known", inside->value())};
+    volume.inside = *known;
+  }
+  if (const auto thickness = grid.getMetadata<openvdb::DoubleMetadata>(kThicknessKey)) volume.sheetThickness = thickness->value();
   if (const auto step = grid.getMetadata<openvdb::FloatMetadata>(kStepKey)) {
     if (!(step->value() > 0.0f)) return Error{file, kStepKey, "is not positive"};
     volume.step = step->value();
@@ -235,6 +245,8 @@ std::vector<std::byte> packed(const Volume& volume) {
   pack(bytes, volume.origin);
   pack(bytes, volume.voxelSize);
   pack(bytes, volume.step);
+  pack(bytes, volume.inside);
+  pack(bytes, volume.sheetThickness);
   packText(bytes, volume.signMethod);
   packAll(bytes, std::span<const float>(volume.distance));
   return bytes;
@@ -299,6 +311,8 @@ Result<Volume> readVolume(const std::filesystem::path& path, const SandboxLimits
   volume.origin = from.one<glm::dvec3>();
   volume.voxelSize = from.one<double>();
   volume.step = from.one<float>();
+  volume.inside = from.one<Inside>();
+  volume.sheetThickness = from.one<double>();
   volume.signMethod = from.text();
   volume.distance = from.all<float>();
   // A corrupt child may hand over anything: what it promised is checked again.

@@ -206,6 +206,13 @@ TEST(Outside, TurnsASoupOfAClosedShapeOutward) {
   }
 }
 
+// So many triangles of any orientation that their winding number is next to nothing everywhere.
+TEST(Outside, TurnsAFineSoupOutward) {
+  RepairedMesh repaired = repair(unorientedSoup(torusMesh(1.0, 0.4, 240, 120)));
+  orientByOutside(repaired);
+  EXPECT_NEAR(volumeOf(repaired.mesh), 2.0 * std::numbers::pi * std::numbers::pi * 0.16 * 0.9025, 0.05);
+}
+
 TEST(Outside, LeavesSheetsHolesAndClosedMeshesAlone) {
   Mesh sheet = boxBetween(glm::dvec3(0.0), glm::dvec3(1.0));
   sheet.triangles.resize(2);

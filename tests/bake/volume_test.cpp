@@ -185,12 +185,16 @@ TEST(BakeVolume, SmallHolesChangeNoSignAwayFromThem) {
   }
 }
 
-TEST(BakeVolume, AFlatSheetBakesAsAllOutside) {
+TEST(BakeVolume, AFlatSheetWithoutTwoSidesBakesAsAllOutside) {
   Mesh sheet;
   sheet.positions = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}};
   sheet.triangles = {{0, 1, 2}, {0, 2, 3}};
-  const BakedVolume flat = baked(sheet, singles(20));
+  VolumeSettings settings = singles(20);
+  settings.sheets.mode = SheetMode::none;
+  const BakedVolume flat = baked(sheet, settings);
   EXPECT_EQ(flat.volume.size, glm::ivec3(20, 20, 5));
+  EXPECT_EQ(flat.volume.inside, Inside::open);
+  EXPECT_EQ(flat.volume.sheetThickness, 0.0);
   for (const float d : flat.volume.distance) EXPECT_GE(d, 0.0f);
 }
 

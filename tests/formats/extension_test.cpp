@@ -47,6 +47,7 @@ TEST(Extension, ReadsBackBitForBit) {
     }
     RC_ASSERT(again.uri == made.uri && again.contentHash == made.contentHash && again.bytes == made.bytes);
     RC_ASSERT(again.bits == made.bits);
+    RC_ASSERT(again.inside == made.inside && again.sheetThickness == made.sheetThickness);
     RC_ASSERT(again.bounds.min == made.bounds.min && again.bounds.max == made.bounds.max);
     RC_ASSERT(again.influenceRadius == made.influenceRadius && again.lipschitz == made.lipschitz && again.signMethod == made.signMethod);
     RC_ASSERT(again.error.max == made.error.max && again.error.rms == made.error.rms && again.error.seed == made.error.seed);

@@ -118,6 +118,8 @@ Occluder occluder(Dice& dice) {
   made.influenceRadius = dice.real(0, 3);
   made.lipschitz = dice.real(0.5, 2);
   made.signMethod = "signed-crossings";
+  made.inside = dice.chance(0.5) ? Inside::unstated : Inside::partly;
+  made.sheetThickness = made.inside == Inside::partly ? 0.125 : 0.0;
   made.error.max = dice.real(0, 1);
   made.error.rms = dice.real(0, 1e-9);
   made.error.signErrors = dice.engine();

@@ -301,6 +301,8 @@ RC_GTEST_PROP(VolumeFile, comesBackBitForBitWhateverItHolds, ()) {
   volume.origin = {number(1e5), number(1e-3), number(1.0)};
   volume.voxelSize = std::exp2(*rc::gen::inRange(-40, 40) + 0.3);
   volume.signMethod = *rc::gen::arbitrary<std::string>();
+  volume.inside = *rc::gen::element(Inside::unstated, Inside::solid, Inside::open, Inside::partly, Inside::none);
+  volume.sheetThickness = volume.inside == Inside::none ? volume.voxelSize / 3.0 : 0.0;
   for (std::size_t n = sampleIndex(volume, 0, 0, volume.size.z); n > 0; --n)
     volume.distance.push_back(static_cast<float>(number(volume.voxelSize * 20)));
   const VolumeBits bits = *rc::gen::element(VolumeBits::snorm8, VolumeBits::single);
@@ -313,6 +315,7 @@ RC_GTEST_PROP(VolumeFile, comesBackBitForBitWhateverItHolds, ()) {
   RC_ASSERT(back.value().origin == volume.origin);
   RC_ASSERT(back.value().voxelSize == volume.voxelSize);
   RC_ASSERT(back.value().signMethod == volume.signMethod);
+  RC_ASSERT(back.value().inside == volume.inside && back.value().sheetThickness == volume.sheetThickness);
   RC_ASSERT(back.value().step == volume.step);
   RC_ASSERT(sameBits(back.value().distance, volume.distance));
 }
