@@ -23,7 +23,7 @@ using reference::withHoles;
 
 constexpr int kHoles = 40;
 constexpr double kHoleRadius = 1.25;  // all lengths in voxels
-constexpr double kCapHeight = 0.1;   // share of the extent along x
+constexpr double kCapHeight = 0.1;    // share of the extent along x
 constexpr int kParts = 44;
 constexpr double kPartOffset = 0.02;
 constexpr double kCopyOffset = 9.0;
