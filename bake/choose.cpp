@@ -96,6 +96,10 @@ const std::vector<Ladder>& ladders() {
   return table;
 }
 
+double bytesOf(const Score& score) {
+  return static_cast<double>(score.bytes);
+}
+
 struct Stored {
   Asset asset;
   std::uint64_t bytes = 0;
@@ -224,7 +228,7 @@ class Chooser {
     nearest = std::min(nearest, excess(score));
     if (settings_.everything && score.error.samples < settings_.measure.samples) score.error = measure(made, probes_);
     const bool small = fits(score), good = limited() && excess(score) <= 1.0;
-    const bool dearer = within_ && costOf(score) > (1.0 + kSameCost) * costOf(scores_[within_->score]);
+    const bool dearer = within_ && bytesOf(score) > (1.0 + kSameBytes) * bytesOf(scores_[within_->score]);
     scores_.push_back(score);
     const std::size_t index = scores_.size() - 1;
     if (eligible && small && good && (!within_ || precedes(score, scores_[within_->score]))) within_ = Best{index, made};
@@ -234,10 +238,11 @@ class Chooser {
 
   /// Whether the first of two that meet the limits is to be kept.
   bool precedes(const Score& first, const Score& second) const {
-    const double one = costOf(first), other = costOf(second);
-    const bool alike = std::max(one, other) <= (1.0 + kSameCost) * std::min(one, other);
+    const double one = bytesOf(first), other = bytesOf(second);
+    const bool alike = std::max(one, other) <= (1.0 + kSameBytes) * std::min(one, other);
     const bool sameKind = first.candidate.representation == second.candidate.representation;
-    return alike && !sameKind ? excess(first) < excess(second) : one < other;
+    if (alike && !sameKind && excess(first) != excess(second)) return excess(first) < excess(second);
+    return one != other ? one < other : first.composite < second.composite;
   }
 
   /// Whether the first is to be kept where none, or nothing but bytes, is within the limits.
@@ -257,7 +262,7 @@ class Chooser {
     }
     if (!within_) return "another is more accurate";
     if (precedes(score, winner)) return "not tried: the sizes before it came no nearer";
-    if (costOf(score) < costOf(winner)) return "meets the error, but another as cheap is nearer";
+    if (score.bytes < winner.bytes) return "meets the error, but another as small is nearer";
     return score.bytes > winner.bytes ? "meets the error, but another is smaller" : "meets the error, but another is cheaper to composite";
   }
 
@@ -305,10 +310,6 @@ std::string name(const Candidate& candidate) {
   if (candidate.bits != VolumeBits::automatic) text += fmt::format(" {}", name(candidate.bits));
   if (candidate.otherSide) text += " from behind";
   return text;
-}
-
-double costOf(const Score& score) {
-  return static_cast<double>(score.bytes) * score.composite;
 }
 
 Result<Choice> choose(const Mesh& mesh, const ChoiceSettings& settings, const Progress& progress) {

@@ -21,9 +21,9 @@ inline constexpr double kDefaultMaxError = 0.01;  ///< share of the mesh's diago
 /// 4 x 4 taps, 0.040): a substitution that changes less is not what one sees. Volumes of any size stay below 0.015; shapes that are no
 /// heights and no star, seen as such, and walls that are not there come to 0.05 and more.
 inline constexpr double kDefaultMaxSkyError = 0.04;
-/// Share of the points measured that may lie clearly on the wrong side of the surface: one of 0.3 % loses edges and tips of the size of
-/// the error allowed, one of 1 % holes or whole parts.
-inline constexpr double kMaxSignErrors = 0.005;
+/// Share of the points measured that may lie clearly on the wrong side of the surface: 0.3 % is edges and tips of the size of the error
+/// allowed lost, 1 % holes or whole parts.
+inline constexpr double kMaxSignErrors = 0.001;
 inline constexpr int kLargestCandidate = 256;
 
 /// Something that may represent a mesh.
@@ -78,21 +78,20 @@ struct Choice {
   double ambiguousSign = 0.0;  ///< Probes::ambiguousSign
 };
 
-/// Costs of two representations that differ by less are the same: times of a composite are not known better.
-inline constexpr double kSameCost = 0.1;
+/// Bytes of two representations are the same when neither is more than this share above the other: sizes come in steps of four times the
+/// samples, so that less says nothing about the shapes.
+inline constexpr double kSameBytes = 0.5;
 
-/// What a candidate costs: bytes on disk times nanoseconds in the composite, so that a tenth less of either is worth the same.
-double costOf(const Score& score);
-
-/// Bakes candidates of rising size and keeps the cheapest (costOf; of two representations within kSameCost the one further within the
-/// limits) whose surfaceRms and thickened are within maxError, skyRmse within maxSkyError, share of sign errors within kMaxSignErrors and
-/// bytes within maxBytes. When none is within all, or only maxBytes is given: the one of least surfaceRms within maxBytes (or within
-/// nothing where there is no maxBytes), those that keep to sky and sign before those that do not; then withinLimits is false if a limit was
-/// missed. An open mesh has no inside: a heightfield is tried from the side that its triangles face, and from the other where nothing from
-/// there is within the limits. Sizes of a representation are not tried beyond the first that meets the limits, nor beyond two that came no
-/// nearer to them than the size before each, nor beyond what already costs more than a candidate that does; candidates are measured with an
-/// eighth of the samples first, and no further when that is over twice a limit. A winner with sign errors has its count in the record and
-/// in every report. Deterministic. An Error when no candidate can represent the mesh or fits maxBytes, or `progress` asked to stop
+/// Bakes candidates of rising size and keeps the one of fewest bytes on disk (of two representations within kSameBytes the one further
+/// within the limits, then the one that is cheaper to composite) whose surfaceRms and thickened are within maxError, skyRmse within
+/// maxSkyError, share of sign errors within kMaxSignErrors and bytes within maxBytes. When none is within all, or only maxBytes is given:
+/// the one of least surfaceRms within maxBytes (or within nothing where there is no maxBytes), those that keep to sky and sign before those
+/// that do not; then withinLimits is false if a limit was missed. An open mesh has no inside: a heightfield is tried from the side that its
+/// triangles face, and from the other where nothing from there is within the limits. Sizes of a representation are not tried beyond the
+/// first that meets the limits, nor beyond two that came no nearer to them than the size before each, nor beyond what already costs more
+/// than a candidate that does; candidates are measured with an eighth of the samples first, and no further when that is over twice a limit.
+/// A winner with sign errors has its count in the record and in every report. Deterministic. An Error when no candidate can represent the
+/// mesh or fits maxBytes, or `progress` asked to stop
 /// ("interrupted").
 Result<Choice> choose(const Mesh& mesh, const ChoiceSettings& settings, const Progress& progress = {});
 

@@ -49,8 +49,8 @@ TEST(Choose, TheCheapestWithinTheErrorWins) {
     for (const Score& score : record.scores) {
       EXPECT_FALSE(score.reason.empty());
       if (score.error.samples == 0 || score.error.surfaceRms > allowed * record.diagonal) continue;
-      EXPECT_TRUE((1.0 + kSameCost) * costOf(score) >= costOf(winner(choice)) || score.error.skyRmse > settings.maxSkyError ||
-                  score.error.signErrors > 0)
+      EXPECT_TRUE((1.0 + kSameBytes) * static_cast<double>(score.bytes) >= static_cast<double>(winner(choice).bytes) ||
+                  score.error.skyRmse > settings.maxSkyError || score.error.signErrors > 0)
           << name(score.candidate);
     }
   }
@@ -196,8 +196,9 @@ TEST(Choose, TheSkyErrorAllowedIsKept) {
     settings.maxSkyError = allowed;
     const Choice choice = chosen(ring(), settings);
     EXPECT_LE(winner(choice).error.skyRmse, allowed);
-    EXPECT_GE((1.0 + kSameCost) * costOf(winner(choice)), last);
-    last = costOf(winner(choice));
+    const auto bytes = static_cast<double>(winner(choice).bytes);
+    EXPECT_GE((1.0 + kSameBytes) * bytes, last);
+    last = bytes;
   }
   settings.maxSkyError = 1e-6;
   const Choice none = chosen(ring(), settings);
