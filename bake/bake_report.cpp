@@ -1,5 +1,7 @@
 #include "bake/bake_report.h"
 
+#include <map>
+
 #include <nlohmann/json.hpp>
 
 #include "bake/defects.h"
@@ -40,11 +42,12 @@ Json toJson(const MeasuredError& error) {
           {"method", error.method}};
 }
 
-void addVolume(Json& json, const Volume& volume, const MeshBake& mesh) {
+void addVolume(Json& json, const VolumeShape& volume, const MeshBake& mesh) {
   json["size"] = {volume.size.x, volume.size.y, volume.size.z};
   json["voxelSize"] = volume.voxelSize;
-  json["signMethod"] = volume.signMethod;
-  if (volume.sheetThickness > 0.0) json["sheets"] = {{"thickness", volume.sheetThickness}, {"triangles", mesh.sheetTriangles}};
+  json["signMethod"] = mesh.occluder.signMethod;
+  if (mesh.occluder.sheetThickness > 0.0)
+    json["sheets"] = {{"thickness", mesh.occluder.sheetThickness}, {"triangles", mesh.sheetTriangles}};
   json["ambiguousSign"] = mesh.ambiguousSign;
   if (!mesh.inBox) return;
   const MeasuredError& error = *mesh.inBox;
@@ -59,8 +62,8 @@ void addVolume(Json& json, const Volume& volume, const MeshBake& mesh) {
 
 Json occluderOf(const MeshBake& mesh) {
   const Occluder& occluder = mesh.occluder;
-  const Box box = bounds(*mesh.asset);
-  Json json = {{"representation", name(representationOf(*mesh.asset))},
+  const Box& box = occluder.bounds;
+  Json json = {{"representation", name(occluder.representation)},
                {"uri", occluder.uri},
                {"bytes", occluder.bytes},
                {"bits", occluder.bits},
@@ -68,8 +71,8 @@ Json occluderOf(const MeshBake& mesh) {
                {"bounds", {{"min", toJson(box.min)}, {"max", toJson(box.max)}}},
                {"lipschitz", occluder.lipschitz},
                {"inside", name(occluder.inside)}};
-  if (const auto* volume = std::get_if<Volume>(&*mesh.asset)) addVolume(json, *volume, mesh);
-  if (mesh.measured.samples > 0) json["measured"] = toJson(mesh.measured);
+  if (mesh.volume) addVolume(json, *mesh.volume, mesh);
+  if (occluder.error.samples > 0) json["measured"] = toJson(occluder.error);
   return json;
 }
 
@@ -89,8 +92,8 @@ Json toJson(const ChoiceRecord& record) {
 
 Json toJson(const SceneBake& bake, const MeshBake& mesh) {
   const MeshBake& owner = mesh.sameAs < 0 ? mesh : bake.meshes[static_cast<std::size_t>(mesh.sameAs)];
-  Json json = {
-      {"source", mesh.source}, {"faces", mesh.faces}, {"shared", mesh.sameAs >= 0}, {"seconds", mesh.seconds}, {"settingsHash", mesh.hash}};
+  Json json = {{"source", mesh.source}, {"faces", mesh.faces},     {"shared", mesh.sameAs >= 0},
+               {"cached", mesh.cached}, {"seconds", mesh.seconds}, {"settingsHash", mesh.hash}};
   if (!owner.asset) return json;
   json["found"] = toJson(owner.found);
   json["surface"] = toJson(owner.surface);
@@ -116,19 +119,20 @@ std::string counted(std::uint64_t number, const char* one, const char* many) {
 std::string summaryLine(const MeshBake& mesh) {
   const std::string faces = counted(mesh.faces, "face", "faces");
   const char* closed = mesh.found.closed ? "closed" : "open";
+  const std::string time = mesh.cached ? "cached" : fmt::format("{:.2f} s", mesh.seconds);
   if (mesh.choice) {
     const Score& winner = mesh.choice->scores[mesh.choice->chosen];
     const std::string wrong =
         winner.error.signErrors == 0 ? "" : ", " + counted(winner.error.signErrors, "point", "points") + " on the wrong side";
-    return fmt::format("{}: {}, {}, {} bytes, {:.2f} s, surface rms {:.3g} % of the diagonal{}{}, {}", mesh.source, faces,
-                       name(winner.candidate), grouped(winner.bytes), mesh.seconds, 100.0 * winner.error.surfaceRms / mesh.choice->diagonal,
+    return fmt::format("{}: {}, {}, {} bytes, {}, surface rms {:.3g} % of the diagonal{}{}, {}", mesh.source, faces, name(winner.candidate),
+                       grouped(winner.bytes), time, 100.0 * winner.error.surfaceRms / mesh.choice->diagonal,
                        mesh.choice->withinLimits ? "" : " (more than allowed: nothing does better)", wrong, closed);
   }
-  const Volume& volume = std::get<Volume>(*mesh.asset);
+  const VolumeShape& volume = *mesh.volume;
   const std::string measured =
       mesh.inBox->samples == 0 ? "error not measured" : fmt::format("rms {:.3f} voxel", mesh.inBox->rms / volume.voxelSize);
-  return fmt::format("{}: {}, {}x{}x{}, {:.2f} s, {}, {}, {}", mesh.source, faces, volume.size.x, volume.size.y, volume.size.z,
-                     mesh.seconds, measured, closed, volume.signMethod);
+  return fmt::format("{}: {}, {}x{}x{}, {}, {}, {}, {}", mesh.source, faces, volume.size.x, volume.size.y, volume.size.z, time, measured,
+                     closed, mesh.occluder.signMethod);
 }
 
 std::string choiceJson(const ChoiceRecord& record) {
@@ -144,22 +148,63 @@ std::vector<std::string> remarks(const MeshReadReport& report) {
   return lines;
 }
 
-std::string bakeJson(const std::vector<InputReport>& inputs, const SceneBake& bake, const std::vector<std::filesystem::path>& files,
-                     double seconds) {
-  Json document = {{"format", "overcast-bake"}, {"version", 1}, {"inputs", Json::array()}, {"files", Json::array()}, {"seconds", seconds}};
+void count(RunSummary& summary, const std::vector<InputReport>& inputs, const SceneBake& bake, bool upToDate, bool planned) {
+  summary.inputs += inputs.size();
+  if (upToDate) summary.upToDate += inputs.size();
+  for (const InputReport& input : inputs) summary.failed += !input.errors.empty();
+  for (const MeshBake& mesh : bake.meshes) {
+    if (mesh.sameAs >= 0 || mesh.error || !(mesh.asset || planned)) continue;
+    ++(mesh.cached ? summary.meshesCached : summary.meshesBaked);
+  }
+}
+
+std::string summaryLine(const RunSummary& summary) {
+  return fmt::format("{}: {} baked, {} from the cache, {} up to date, {} failed; {:.1f} s, peak memory {} MB",
+                     counted(summary.inputs, "input", "inputs"), counted(summary.meshesBaked, "mesh", "meshes"),
+                     grouped(summary.meshesCached), counted(summary.upToDate, "input", "inputs"), grouped(summary.failed), summary.seconds,
+                     summary.peakMemory >> 20);
+}
+
+JsonReport::JsonReport(Print print) : print_(std::move(print)) {}
+
+void JsonReport::begin() {
+  if (!begun_) print_("{\n  \"format\": \"overcast-bake\",\n  \"version\": 1,\n  \"inputs\": [");
+  begun_ = true;
+}
+
+void JsonReport::add(const std::vector<InputReport>& inputs, const SceneBake& bake, const std::vector<std::filesystem::path>& files) {
+  begin();
+  std::map<std::filesystem::path, std::vector<const MeshBake*>> meshes;
+  for (const MeshBake& mesh : bake.meshes) meshes[bake.inputs[static_cast<std::size_t>(mesh.input)]].push_back(&mesh);
   for (const InputReport& input : inputs) {
     Json json = {{"file", input.path.string()}, {"notes", input.notes}, {"errors", Json::array()}, {"meshes", Json::array()}};
     for (const Error& error : input.errors)
       json["errors"].push_back({{"file", error.file}, {"place", error.place}, {"reason", error.reason}});
-    for (const MeshBake& mesh : bake.meshes)
-      if (bake.inputs[static_cast<std::size_t>(mesh.input)] == input.path) json["meshes"].push_back(toJson(bake, mesh));
-    document["inputs"].push_back(std::move(json));
+    for (const MeshBake* mesh : meshes[input.path]) json["meshes"].push_back(toJson(bake, *mesh));
+    print_((first_ ? "\n" : ",\n") + json.dump(1, ' ', false, Json::error_handler_t::replace));
+    first_ = false;
   }
-  for (const std::filesystem::path& file : files) {
+  files_.insert(files_.end(), files.begin(), files.end());
+}
+
+void JsonReport::finish(const RunSummary& summary, bool dryRun) {
+  begin();
+  Json tail = {{"files", Json::array()},
+               {"dryRun", dryRun},
+               {"meshesBaked", summary.meshesBaked},
+               {"meshesCached", summary.meshesCached},
+               {"inputsUpToDate", summary.upToDate},
+               {"inputsFailed", summary.failed},
+               {"peakMemory", summary.peakMemory},
+               {"memoryLimit", summary.memoryLimit},
+               {"seconds", summary.seconds}};
+  for (const std::filesystem::path& file : files_) {
     std::error_code code;
-    document["files"].push_back({{"path", file.string()}, {"bytes", std::filesystem::file_size(file, code)}});
+    const auto bytes = std::filesystem::file_size(file, code);
+    tail["files"].push_back({{"path", file.string()}, {"bytes", code ? Json() : Json(bytes)}});
   }
-  return document.dump(2, ' ', false, Json::error_handler_t::replace);
+  // Without the brace that opened it: the document goes on.
+  print_("\n  ]," + tail.dump(2, ' ', false, Json::error_handler_t::replace).substr(1) + "\n");
 }
 
 }  // namespace overcast

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -11,7 +12,8 @@ namespace overcast {
 
 /// "bunny.off: 69,630 faces, 32x31x25, 0.12 s, rms 0.03 voxel, closed, signed-crossings", or of a chosen asset
 /// "bunny.off: 69,630 faces, volume 24 half, 31,415 bytes, 0.41 s, surface rms 0.62 % of the diagonal, closed" (and, before "closed",
-/// "3 points on the wrong side" where some of those measured are)
+/// "3 points on the wrong side" where some of those measured are; "cached" for the seconds of one from
+/// the cache)
 std::string summaryLine(const MeshBake& mesh);
 
 /// The record as JSON text: diagonal, withinLimits, chosen (an index), scores.
@@ -33,9 +35,40 @@ struct InputReport {
   std::vector<Error> errors;
 };
 
-/// The document of `overcast-bake --json`, version 1: inputs (file, notes, errors, meshes), files (path, bytes), seconds.
-/// Lengths are in local units of the mesh, errors also in voxels.
-std::string bakeJson(const std::vector<InputReport>& inputs, const SceneBake& bake, const std::vector<std::filesystem::path>& files,
-                     double seconds);
+/// Totals of a run, for the end of the document and for the summary.
+struct RunSummary {
+  std::uint64_t inputs = 0;
+  std::uint64_t meshesBaked = 0;
+  std::uint64_t meshesCached = 0;  ///< taken from the cache, or found up to date
+  std::uint64_t upToDate = 0;      ///< inputs whose whole result lay there already
+  std::uint64_t failed = 0;        ///< inputs
+  double seconds = 0.0;
+  std::uint64_t peakMemory = 0;  ///< bytes resident at most, this process alone
+  std::uint64_t memoryLimit = 0;
+};
+
+/// Adds what the meshes and inputs of one job say; `planned`: meshes that are not baked yet count as if they were.
+void count(RunSummary& summary, const std::vector<InputReport>& inputs, const SceneBake& bake, bool upToDate, bool planned = false);
+
+/// "3 inputs: 2 meshes baked, 1 from the cache, 0 inputs failed; 1.2 s, peak memory 81 MB"
+std::string summaryLine(const RunSummary& summary);
+
+/// The document of `overcast-bake --json`, version 1, written piece by piece so that it need not fit into memory: inputs (file, notes,
+/// errors, meshes), files (path, bytes), summary, seconds. Lengths are in local units of the mesh, errors also in voxels.
+class JsonReport {
+ public:
+  using Print = std::function<void(const std::string&)>;
+  explicit JsonReport(Print print);
+  void add(const std::vector<InputReport>& inputs, const SceneBake& bake, const std::vector<std::filesystem::path>& files);
+  void finish(const RunSummary& summary, bool dryRun);
+
+ private:
+  void begin();
+
+  Print print_;
+  bool begun_ = false;
+  bool first_ = true;
+  std::vector<std::filesystem::path> files_;
+};
 
 }  // namespace overcast

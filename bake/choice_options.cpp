@@ -21,10 +21,6 @@ void addChoiceOptions(CLI::App& app, ChoiceOptions& options) {
       ->check(CLI::PositiveNumber);
 }
 
-bool wantsChoice(const ChoiceOptions& options) {
-  return !options.representation.empty() || options.maxError || options.maxSkyError || options.maxBytes;
-}
-
 ChoiceSettings choiceSettings(const ChoiceOptions& options, const MeasureSettings& measure) {
   ChoiceSettings settings;
   settings.only = representationNamed(options.representation);

@@ -24,9 +24,6 @@ struct ChoiceOptions {
 /// Adds the options to `app`.
 void addChoiceOptions(CLI::App& app, ChoiceOptions& options);
 
-/// Whether any of them was given.
-bool wantsChoice(const ChoiceOptions& options);
-
 ChoiceSettings choiceSettings(const ChoiceOptions& options, const MeasureSettings& measure);
 
 }  // namespace overcast

@@ -19,8 +19,8 @@ void requestStop(int) {
 }  // namespace
 
 const char* const kExitCodeHelp =
-    "Exit codes: 0 done; 1 internal error; 2 wrong arguments; 3 an input cannot be read or baked (nothing was written);\n"
-    "4 the output cannot be written; 5 validate or verify found something; 6 some inputs failed under --keep-going; 130 interrupted.\n"
+    "Exit codes: 0 done; 1 internal error; 2 wrong arguments or config; 3 an input cannot be read or baked (nothing was written);\n"
+    "4 the output cannot be written; 5 validate or verify found something; 6 some inputs failed (--keep-going, --each); 130 interrupted.\n"
     "Results go to stdout, messages to stderr.";
 
 int parseArguments(CLI::App& app, const std::vector<std::string>& arguments) {

@@ -62,12 +62,12 @@ void addField(const MeshBake& mesh, List& list) {
   list.add(mesh.ambiguousSign > kUndecided, "undecided",
            fmt::format("inside and outside are a matter of opinion for {:.0f} % of the volume: the mesh is far from closed",
                        100.0 * mesh.ambiguousSign));
-  const auto* volume = mesh.asset ? std::get_if<Volume>(&*mesh.asset) : nullptr;
-  if (!volume || !(volume->sheetThickness > 0.0)) return;
+  const Occluder& occluder = mesh.occluder;
+  if (!mesh.volume || !(occluder.sheetThickness > 0.0)) return;
   list.add(true, "sheets",
            fmt::format("{}: the sheets have two sides and a thickness of {:.3g} ({:.2f} voxels)",
-                       volume->inside == Inside::none ? "has no inside" : "has sheets beside its solids", volume->sheetThickness,
-                       volume->sheetThickness / volume->voxelSize));
+                       occluder.inside == Inside::none ? "has no inside" : "has sheets beside its solids", occluder.sheetThickness,
+                       occluder.sheetThickness / mesh.volume->voxelSize));
 }
 
 }  // namespace

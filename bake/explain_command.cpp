@@ -116,7 +116,7 @@ Result<Done> explainFile(const fs::path& file, const Options& options, const Com
   if (!input) return input.error();
   std::vector<BakeInput> inputs;
   inputs.push_back(std::move(input).value());
-  const SceneBake bake = joinInputs(std::move(inputs), {});
+  const SceneBake bake = joinInputs(std::move(inputs));
   ChoiceSettings settings = choiceSettings(options.choice, options.measure);
   settings.everything = !inFolder;
   settings.costs = costs;

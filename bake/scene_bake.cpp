@@ -2,48 +2,20 @@
 
 #include <algorithm>
 #include <atomic>
-#include <bit>
 #include <chrono>
 #include <map>
-#include <span>
 #include <system_error>
 
 #include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
 
-#include "formats/asset.h"
+#include "bake/bake_record.h"
 #include "formats/files.h"
 
 namespace overcast {
 namespace {
 
 namespace fs = std::filesystem;
-
-/// Part of every hash: raise it when the same input would bake to other bytes.
-constexpr int kBakerVersion = 1;
-
-template <class T>
-std::string bytesHash(const std::vector<T>& values) {
-  return contentHash(std::as_bytes(std::span(values)));
-}
-
-std::string bakeHash(const Mesh& mesh, const BakeSettings& bakeSettings) {
-  const VolumeSettings& settings = bakeSettings.volume;
-  std::string text =
-      fmt::format("volume {} {} {} {} {:x} {:x} {} {} {}", kBakerVersion, bytesHash(mesh.positions), bytesHash(mesh.triangles),
-                  settings.resolution, std::bit_cast<std::uint64_t>(settings.voxelSize), std::bit_cast<std::uint64_t>(settings.padding),
-                  static_cast<int>(settings.bits), settings.errorSamples, settings.seed);
-  const SheetSettings& sheets = bakeSettings.choice ? bakeSettings.choice->sheets : settings.sheets;
-  text += fmt::format(" sheets {} {:x}", static_cast<int>(sheets.mode), std::bit_cast<std::uint64_t>(sheets.thickness));
-  if (bakeSettings.choice) {
-    const ChoiceSettings& choice = *bakeSettings.choice;
-    text += fmt::format(" choice {} {:x} {:x} {} {} {:x} {} {}", choice.only ? name(*choice.only) : "any",
-                        std::bit_cast<std::uint64_t>(choice.maxError.value_or(-1.0)), std::bit_cast<std::uint64_t>(choice.maxSkyError),
-                        choice.maxBytes.value_or(0), choice.largest, std::bit_cast<std::uint64_t>(choice.padding), choice.measure.samples,
-                        choice.measure.seed);
-  }
-  return contentHash(std::as_bytes(std::span(text)));
-}
 
 /// A name that is a plain file name everywhere.
 std::string fileNameOf(const std::string& name) {
@@ -119,56 +91,28 @@ const char* folderOf(Representation representation) {
   }
 }
 
-Result<Occluder> writeAssetOf(const MeshBake& mesh, const std::string& name, const fs::path& folder, const BakeSettings& settings) {
-  const Asset& asset = *mesh.asset;
-  const VolumeBits bits = mesh.choice ? mesh.choice->scores[mesh.choice->chosen].candidate.bits : settings.volume.bits;
-  Occluder occluder;
-  const std::string stem = fmt::format("{}/{}-{}", folderOf(representationOf(asset)), fileNameOf(name), mesh.hash.substr(0, 8));
-  const auto bytes = writeAsset(folder, stem, asset, occluder, bits);
-  if (!bytes) return bytes.error();
-  // Contact shadows fade with the size of what casts them: beyond one diagonal an object no longer darkens visibly.
-  if (occluder.inside == Inside::unstated) occluder.inside = mesh.found.closed ? Inside::solid : Inside::open;
-  occluder.influenceRadius = diagonal(occluder.bounds);
-  occluder.error = mesh.measured;
-  occluder.source = mesh.source;
-  occluder.settingsHash = mesh.hash;
-  return occluder;
+/// Writes the file of a baked mesh and fills in what its occluder says of it.
+Result<Done> writeAssetOf(MeshBake& mesh, const std::string& name, const fs::path& folder) {
+  const EncodedAsset& asset = *mesh.asset;
+  mesh.occluder.source = mesh.source;
+  if (asset.extension.empty()) return Done{};
+  mesh.occluder.uri =
+      fmt::format("{}/{}-{}{}", folderOf(mesh.occluder.representation), fileNameOf(name), mesh.hash.substr(0, 8), asset.extension);
+  return writeFileAtomically(folder / mesh.occluder.uri, asset.bytes);
 }
 
-/// Below which thickness a part of the mesh is thin for the asset.
-double thinFor(const Asset& asset, const Box& box) {
-  const auto* volume = std::get_if<Volume>(&asset);
-  return volume ? volume->voxelSize : 0.01 * diagonal(box);
-}
-
-/// Bakes one mesh and measures what came out. An Error without a file.
-Result<Done> bakeMesh(MeshBake& job, const Mesh& mesh, const BakeSettings& settings, const Progress& progress) {
-  if (settings.choice) {
-    auto chosen = choose(mesh, *settings.choice, progress);
-    if (!chosen) return chosen.error();
-    Choice& choice = chosen.value();
-    job.measured = choice.record.scores[choice.record.chosen].error;
-    job.found = choice.found;
-    job.ambiguousSign = choice.ambiguousSign;
-    job.choice = std::move(choice.record);
-    job.asset = std::move(choice.asset);
-    job.surface = examineSurface(choice.prepared->repaired, thinFor(*job.asset, bounds(mesh)));
-    return Done{};
-  }
-  auto made = bakeVolume(mesh, settings.volume, progress);
-  if (!made) return made.error();
-  BakedVolume& baked = made.value();
-  job.found = baked.found;
-  job.ambiguousSign = baked.ambiguousSign;
-  job.inBox = baked.error;
-  job.sheetTriangles = baked.sheetTriangles;
-  job.asset = std::move(baked.volume);
-  if (settings.volume.errorSamples > 0) {
-    const Probes probes = drawProbes(mesh, {settings.volume.errorSamples, settings.volume.seed});
-    job.measured = measure(*job.asset, probes);
-    job.surface = examineSurface(probes.prepared->repaired, thinFor(*job.asset, bounds(mesh)));
-  }
-  return Done{};
+/// Takes the mesh from the cache, or bakes it and keeps it there.
+Result<Done> obtainMesh(MeshBake& job, const Mesh& mesh, const BakeSettings& settings, const BakeContext& context,
+                        const Progress& progress) {
+  std::optional<KeyLocks::Lock> lock;
+  if (context.cache && context.locks) lock.emplace(*context.locks, job.hash);
+  if (context.cache && restoreMesh(*context.cache, job)) return Done{};
+  if (!progress(0.0)) return Error{"", "", "interrupted"};
+  std::optional<MemoryGate::Share> share;
+  if (context.memory) share.emplace(*context.memory, bakeMemory(mesh, settings));
+  auto baked = bakeMesh(job, mesh, settings, progress);
+  if (baked && context.cache) keepMesh(*context.cache, job);
+  return baked;
 }
 
 }  // namespace
@@ -196,7 +140,7 @@ Result<BakeInput> readBakeInput(const fs::path& path) {
   return input;
 }
 
-SceneBake joinInputs(std::vector<BakeInput> inputs, const BakeSettings& settings) {
+SceneBake joinInputs(std::vector<BakeInput> inputs) {
   SceneBake bake;
   std::map<std::string, int> known;
   for (BakeInput& input : inputs) {
@@ -212,13 +156,14 @@ SceneBake joinInputs(std::vector<BakeInput> inputs, const BakeSettings& settings
       job.mesh = first + static_cast<int>(m);
       job.input = static_cast<int>(bake.inputs.size());
       job.source = isMeshFile(input.path) || mesh.name.empty() ? file : file + ": " + mesh.name;
-      job.hash = bakeHash(mesh, settings);
+      job.hash = meshHash(mesh, input.settings);
       job.faces = mesh.triangles.size();
       const auto [place, fresh] = known.emplace(job.hash, static_cast<int>(bake.meshes.size()));
       if (!fresh) job.sameAs = place->second;
       bake.meshes.push_back(std::move(job));
     }
     bake.inputs.push_back(input.path);
+    bake.settings.push_back(input.settings);
     if (inputs.size() == 1) bake.scene.name = input.scene.name;
     appendScene(bake.scene, std::move(input.scene));
   }
@@ -226,7 +171,7 @@ SceneBake joinInputs(std::vector<BakeInput> inputs, const BakeSettings& settings
   return bake;
 }
 
-void bakeMeshes(SceneBake& bake, const BakeSettings& settings, const Progress& progress, const MeshDone& done) {
+void bakeMeshes(SceneBake& bake, const BakeContext& context) {
   std::vector<std::size_t> jobs;
   for (std::size_t i = 0; i < bake.meshes.size(); ++i)
     if (bake.meshes[i].sameAs < 0) jobs.push_back(i);
@@ -235,15 +180,16 @@ void bakeMeshes(SceneBake& bake, const BakeSettings& settings, const Progress& p
     shares[job] = share;
     double sum = 0.0;
     for (const std::atomic<double>& one : shares) sum += one;
-    return !progress || progress(sum / static_cast<double>(jobs.size()));
+    return !context.progress || context.progress(sum / static_cast<double>(jobs.size()));
   };
   tbb::parallel_for(std::size_t{0}, jobs.size(), [&](std::size_t job) {
     MeshBake& mesh = bake.meshes[jobs[job]];
     const auto start = std::chrono::steady_clock::now();
-    // Isolated: a mesh that waits for its own tiles must not start on another mesh, or its seconds would count that one's too.
+    // Isolated: a mesh that waits for its own tiles must not start on another mesh, or its seconds would count that one's too, and it could
+    // wait for memory or a key that is held further down its own stack.
     const Result<Done> baked = tbb::this_task_arena::isolate([&] {
-      return bakeMesh(mesh, bake.scene.meshes[static_cast<std::size_t>(mesh.mesh)], settings,
-                      [&](double share) { return report(job, share); });
+      return obtainMesh(mesh, bake.scene.meshes[static_cast<std::size_t>(mesh.mesh)], bake.settings[static_cast<std::size_t>(mesh.input)],
+                        context, [&](double share) { return report(job, share); });
     });
     mesh.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     if (!baked) {
@@ -251,7 +197,8 @@ void bakeMeshes(SceneBake& bake, const BakeSettings& settings, const Progress& p
       const bool named = mesh.source != file.filename().string();
       mesh.error = Error{file.string(), named ? bake.scene.meshes[static_cast<std::size_t>(mesh.mesh)].name : "", baked.error().reason};
     }
-    if (done) done(mesh);
+    report(job, 1.0);
+    if (context.done) context.done(mesh);
   });
 }
 
@@ -270,7 +217,7 @@ std::string outputName(const std::vector<fs::path>& inputs) {
   return inputs.size() == 1 && isSceneFile(inputs[0]) ? inputs[0].stem().string() : "scene";
 }
 
-Result<std::vector<fs::path>> writeBake(SceneBake& bake, const fs::path& folder, const std::string& name, const BakeSettings& settings) {
+Result<std::vector<fs::path>> writeBake(SceneBake& bake, const fs::path& folder, const std::string& name) {
   std::error_code code;
   if (fs::exists(folder, code) && !fs::is_directory(folder, code)) return Error{folder.string(), "", "is not a folder"};
   std::vector<fs::path> files;
@@ -278,15 +225,13 @@ Result<std::vector<fs::path>> writeBake(SceneBake& bake, const fs::path& folder,
     const bool wanted =
         std::any_of(bake.scene.nodes.begin(), bake.scene.nodes.end(), [&](const Node& node) { return node.mesh == mesh.mesh; });
     if (!wanted) continue;
-    const MeshBake& baked = owner(bake, mesh);
-    if (!baked.occluder.settingsHash.empty()) {
-      mesh.occluder = baked.occluder;
-    } else {
-      auto occluder = writeAssetOf(baked, bake.scene.meshes[static_cast<std::size_t>(baked.mesh)].name, folder, settings);
-      if (!occluder) return occluder.error();
-      mesh.occluder = bake.meshes[static_cast<std::size_t>(&baked - bake.meshes.data())].occluder = occluder.value();
-      if (!mesh.occluder.uri.empty()) files.push_back(folder / mesh.occluder.uri);
+    MeshBake& baked = bake.meshes[static_cast<std::size_t>(&owner(bake, mesh) - bake.meshes.data())];
+    if (baked.occluder.source.empty()) {  // not written yet
+      auto written = writeAssetOf(baked, bake.scene.meshes[static_cast<std::size_t>(baked.mesh)].name, folder);
+      if (!written) return written.error();
+      if (!baked.occluder.uri.empty()) files.push_back(folder / baked.occluder.uri);
     }
+    mesh.occluder = baked.occluder;
     for (Node& node : bake.scene.nodes)
       if (node.mesh == mesh.mesh) node.occluder = mesh.occluder;
   }

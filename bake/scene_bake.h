@@ -8,9 +8,10 @@
 #include <string>
 #include <vector>
 
-#include "bake/choose.h"
-#include "bake/examine.h"
-#include "bake/volume.h"
+#include "bake/cache.h"
+#include "bake/memory.h"
+#include "bake/mesh_bake.h"
+#include "bake/progress.h"
 #include "formats/mesh.h"
 #include "formats/scene.h"
 
@@ -21,54 +22,35 @@ struct BakeInput {
   std::filesystem::path path;
   Scene scene;
   std::optional<MeshReadReport> report;  ///< of mesh files
+  BakeSettings settings;                 ///< for its meshes; readBakeInput leaves the defaults
 };
 
 /// Reads a mesh file (a scene of one node, formats/scene.h) or a glTF scene. An Error that names the file when it is neither, cannot be
 /// read, or holds no triangle. Meshes without a triangle or without extent are taken off their nodes with a note in scene.notes.
 Result<BakeInput> readBakeInput(const std::filesystem::path& path);
 
-/// How every mesh is baked: as a volume with these settings, or, where there are settings for it, as what the choice finds best.
-struct BakeSettings {
-  VolumeSettings volume;
-  std::optional<ChoiceSettings> choice;
-};
-
-/// One mesh of the scene and what became of it. Meshes with the same geometry share one bake.
-struct MeshBake {
-  int mesh = -1;       ///< index into SceneBake::scene.meshes
-  int input = -1;      ///< index into SceneBake::inputs
-  std::string source;  ///< "bunny.off", or "truck.glb: wheel"
-  int sameAs = -1;     ///< index of the MeshBake whose asset this one shares, or -1
-  std::string hash;    ///< of geometry, settings and baker
-  std::uint64_t faces = 0;
-  double seconds = 0.0;
-  std::optional<Asset> asset;  ///< as stored; empty when shared or failed
-  MeasuredError measured;      ///< of the asset (bake/measure.h); samples is 0 when not measured
-  MeshDiagnosis found;
-  double ambiguousSign = 0.0;          ///< BakedVolume or Probes
-  std::uint64_t sheetTriangles = 0;    ///< BakedVolume
-  SurfaceReport surface;               ///< thin: a voxel of a volume, a hundredth of the diagonal of anything else
-  std::optional<MeasuredError> inBox;  ///< BakedVolume::error, without choice
-  std::optional<ChoiceRecord> choice;  ///< with choice
-  std::optional<Error> error;
-  Occluder occluder;  ///< filled by writeBake
-};
-
 /// All inputs side by side, and their bakes.
 struct SceneBake {
   Scene scene;
   std::vector<std::filesystem::path> inputs;
+  std::vector<BakeSettings> settings;  ///< of each input
   std::vector<MeshBake> meshes;
 };
 
 /// Puts the inputs side by side into one scene, as they lie: their roots become its roots. The first lighting found is kept.
-SceneBake joinInputs(std::vector<BakeInput> inputs, const BakeSettings& settings);
+SceneBake joinInputs(std::vector<BakeInput> inputs);
 
-/// Called from any thread when a mesh is done.
-using MeshDone = std::function<void(const MeshBake&)>;
+/// What bakes share with each other and tell others. Everything may be left out.
+struct BakeContext {
+  Cache* cache = nullptr;
+  KeyLocks* locks = nullptr;     ///< with a cache: no two threads bake the same mesh
+  MemoryGate* memory = nullptr;  ///< keeps meshes waiting that would not fit into memory
+  Progress progress;
+  std::function<void(const MeshBake&)> done;  ///< called from any thread when a mesh is done
+};
 
-/// Bakes every distinct mesh, several at once on the calling TBB arena. Failures land in MeshBake::error.
-void bakeMeshes(SceneBake& bake, const BakeSettings& settings, const Progress& progress = {}, const MeshDone& done = {});
+/// Bakes every distinct mesh, or takes it from the cache, several at once on the calling TBB arena. Failures land in MeshBake::error.
+void bakeMeshes(SceneBake& bake, const BakeContext& context = {});
 
 /// Takes the inputs whose meshes failed out of the scene (their nodes lose mesh and occluder).
 void dropFailedInputs(SceneBake& bake);
@@ -79,7 +61,6 @@ std::string outputName(const std::vector<std::filesystem::path>& inputs);
 /// Writes folder/<name>.gltf, <name>-<hash>.bin and the files of the occluders (volumes/<mesh>-<hash>.vdb; other representations in folders
 /// of theirs) and returns their paths, the scene last. All but the scene are named by what they hold and the scene replaces an older one
 /// only when all of it is on disk: whoever kills the process finds the old scene or the new one, whole.
-Result<std::vector<std::filesystem::path>> writeBake(SceneBake& bake, const std::filesystem::path& folder, const std::string& name,
-                                                     const BakeSettings& settings);
+Result<std::vector<std::filesystem::path>> writeBake(SceneBake& bake, const std::filesystem::path& folder, const std::string& name);
 
 }  // namespace overcast

@@ -110,7 +110,7 @@ Result<std::vector<std::string>> verify(const fs::path& path, const std::vector<
     if (!input) return input.error();
     inputs.push_back(std::move(input).value());
   }
-  const SceneBake known = joinInputs(std::move(inputs), {});
+  const SceneBake known = joinInputs(std::move(inputs));
   std::map<std::string, std::vector<const Mesh*>> bySource;
   for (const MeshBake& mesh : known.meshes) bySource[mesh.source].push_back(&known.scene.meshes[static_cast<std::size_t>(mesh.mesh)]);
 
