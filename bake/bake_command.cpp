@@ -9,11 +9,13 @@
 #include <tbb/parallel_for.h>
 #include <CLI/CLI.hpp>
 
+#include "bake/aperture_options.h"
 #include "bake/bake_report.h"
 #include "bake/choice_options.h"
 #include "bake/command.h"
 #include "bake/defects.h"
 #include "bake/progress_bar.h"
+#include "bake/scene_apertures.h"
 #include "bake/scene_bake.h"
 #include "formats/console.h"
 
@@ -28,6 +30,8 @@ struct Options {
   std::string name;
   BakeSettings settings;
   ChoiceOptions choice;
+  ApertureOptions apertures;
+  std::optional<ApertureSettings> apertureSettings;
   int threads = 0;
   bool json = false;
   bool quiet = false;
@@ -70,6 +74,7 @@ void addOptions(CLI::App& app, Options& options) {
                  "thickness of such sheets in units of the mesh [the diagonal of a voxel: the least that leaves no hole]")
       ->check(positiveNumber);
   addChoiceOptions(app, options.choice);
+  addApertureOptions(app, options.apertures);
   app.add_option("--threads", options.threads, "threads to use; 0: all. The result is the same for any number")
       ->check(CLI::Range(0, 4096))
       ->capture_default_str();
@@ -159,6 +164,17 @@ void bakeWithMessages(SceneBake& bake, const Options& options) {
   });
 }
 
+void bakeAperturesWithMessages(SceneBake& bake, const Options& options) {
+  ProgressBar bar(!options.quiet);
+  const auto progress = [&](double share) {
+    bar.update(share);
+    return !interrupted();
+  };
+  bakeSceneApertures(bake, *options.apertureSettings, progress, [&](const MeshBake& mesh) {
+    if (!options.quiet && mesh.apertures) bar.line(fmt::format("{}: {}", mesh.source, summaryLine(*mesh.apertures)));
+  });
+}
+
 bool holdsMesh(const Scene& scene) {
   return std::any_of(scene.nodes.begin(), scene.nodes.end(), [](const Node& node) { return node.mesh >= 0; });
 }
@@ -175,6 +191,7 @@ int runBake(const Options& options) {
   SceneBake bake = joinInputs(std::move(inputs), options.settings);
   const bool readAll = bake.inputs.size() == reports.size();
   if (readAll || options.keepGoing) bakeWithMessages(bake, options);
+  if ((readAll || options.keepGoing) && options.apertureSettings && !interrupted()) bakeAperturesWithMessages(bake, options);
   if (interrupted()) return kInterrupted;
 
   const bool failed = collectErrors(bake, reports);
@@ -211,6 +228,12 @@ int bakeCommand(const std::vector<std::string>& arguments) {
     complain(settled.error());
     return kUsage;
   }
+  auto apertures = apertureSettings(app, options.apertures);
+  if (!apertures) {
+    complain(apertures.error());
+    return kUsage;
+  }
+  options.apertureSettings = apertures.value();
   if (options.name.empty()) options.name = outputName(options.inputs);
   if (fs::path(options.name).filename() != options.name || options.name == "." || options.name == "..") {
     complain(Error{"", "", fmt::format("--name '{}' is not a plain file name", options.name)});

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "bake/aperture.h"
 #include "bake/choose.h"
 #include "bake/examine.h"
 #include "bake/volume.h"
@@ -45,11 +46,12 @@ struct MeshBake {
   std::optional<Asset> asset;  ///< as stored; empty when shared or failed
   MeasuredError measured;      ///< of the asset (bake/measure.h); samples is 0 when not measured
   MeshDiagnosis found;
-  double ambiguousSign = 0.0;          ///< BakedVolume or Probes
-  std::uint64_t sheetTriangles = 0;    ///< BakedVolume
-  SurfaceReport surface;               ///< thin: a voxel of a volume, a hundredth of the diagonal of anything else
-  std::optional<MeasuredError> inBox;  ///< BakedVolume::error, without choice
-  std::optional<ChoiceRecord> choice;  ///< with choice
+  double ambiguousSign = 0.0;               ///< BakedVolume or Probes
+  std::uint64_t sheetTriangles = 0;         ///< BakedVolume
+  SurfaceReport surface;                    ///< thin: a voxel of a volume, a hundredth of the diagonal of anything else
+  std::optional<MeasuredError> inBox;       ///< BakedVolume::error, without choice
+  std::optional<ChoiceRecord> choice;       ///< with choice
+  std::optional<ApertureReport> apertures;  ///< where vertices were given apertures (bake/scene_apertures.h)
   std::optional<Error> error;
   Occluder occluder;  ///< filled by writeBake
 };

@@ -1,0 +1,30 @@
+// Aperture options: --apertures and what belongs to it.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+
+#include "bake/aperture.h"
+
+namespace CLI {
+class App;
+}
+
+namespace overcast {
+
+/// As given on the command line.
+struct ApertureOptions {
+  std::string where = "none";  ///< none or vertex
+  int rays = 256;
+  int bytes = 4;
+  bool transfer = false;
+};
+
+/// Adds the options to `app`.
+void addApertureOptions(CLI::App& app, ApertureOptions& options);
+
+/// What they ask for; nothing when they ask for no apertures. An Error when they ask for details of apertures but for none.
+Result<std::optional<ApertureSettings>> apertureSettings(const CLI::App& app, const ApertureOptions& options);
+
+}  // namespace overcast
