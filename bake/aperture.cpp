@@ -120,11 +120,11 @@ void fillFromNeighbours(std::span<const glm::uvec3> triangles, std::vector<char>
 }
 
 /// What is seen at samples of the surface; those in solids are left out.
-std::vector<FitSample> observe(const Mesh& mesh, const Points& points, const RayScene& scene, const VisibilitySettings& settings,
+std::vector<FitSample> observe(const Mesh& mesh, const Points& points, const Occluders& occluders, const VisibilitySettings& settings,
                                std::span<const SurfaceSample> samples, const Progress& progress) {
   std::vector<SurfacePoint> origins;
   for (const SurfaceSample& sample : samples) origins.push_back(surfacePoint(mesh, sample));
-  const std::vector<PointVisibility> visible = traceVisibility(scene, origins, settings, progress);
+  const std::vector<PointVisibility> visible = traceVisibility(occluders, origins, settings, progress);
   std::vector<FitSample> observed;
   for (std::size_t i = 0; i < samples.size(); ++i) {
     if (visible[i].interior) continue;
@@ -202,7 +202,7 @@ struct Job {
   const Mesh& mesh;
   const ApertureSettings& settings;
   const Progress& progress;
-  RayScenePointer scene;
+  const Occluders& occluders;
   Points points;
   std::vector<ApertureSample> samples;  ///< of the points
   std::vector<FitSample> test;          ///< what the result is measured against
@@ -211,13 +211,13 @@ struct Job {
   std::vector<FitSample> observed(std::uint64_t count, std::uint64_t seed) {
     const std::vector<SurfaceSample> drawn = sampleSurface(mesh, count, seed);
     report.rays += drawn.size() * static_cast<std::uint64_t>(settings.visibility.rays);
-    return observe(mesh, points, *scene, settings.visibility, drawn, progress);
+    return observe(mesh, points, occluders, settings.visibility, drawn, progress);
   }
 };
 
 void bakeVertices(Job& job) {
   const std::vector<PointVisibility> seen =
-      traceVisibility(*job.scene, vertexOrigins(job.mesh, job.points), job.settings.visibility, job.progress);
+      traceVisibility(job.occluders, vertexOrigins(job.mesh, job.points), job.settings.visibility, job.progress);
   job.report.rays += seen.size() * static_cast<std::uint64_t>(job.settings.visibility.rays);
   std::vector<char> interior;
   for (const PointVisibility& point : seen) {
@@ -244,12 +244,10 @@ void refine(Job& job) {
 
 }  // namespace
 
-Result<BakedApertures> bakeApertures(const Mesh& mesh, const ApertureSettings& settings, const Progress& progress) {
+BakedApertures bakeApertures(const Mesh& mesh, const Occluders& occluders, const ApertureSettings& settings, const Progress& progress) {
   OVERCAST_REQUIRE(mesh.normals.size() == mesh.positions.size(), "{} normals for {} vertices", mesh.normals.size(), mesh.positions.size());
   const auto start = std::chrono::steady_clock::now();
-  auto scene = makeRayScene(mesh);
-  if (!scene) return scene.error();
-  Job job{mesh, settings, progress, std::move(scene).value(), distinctPoints(mesh), {}, {}, {}};
+  Job job{mesh, settings, progress, occluders, distinctPoints(mesh), {}, {}, {}};
   job.report.vertices = mesh.positions.size();
   job.report.points = job.points.first.size();
   bakeVertices(job);
@@ -260,6 +258,12 @@ Result<BakedApertures> bakeApertures(const Mesh& mesh, const ApertureSettings& s
   job.report.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   baked.report = job.report;
   return baked;
+}
+
+Result<BakedApertures> bakeApertures(const Mesh& mesh, const ApertureSettings& settings, const Progress& progress) {
+  auto scene = makeRayScene(mesh);
+  if (!scene) return scene.error();
+  return bakeApertures(mesh, {scene.value().get(), nullptr}, settings, progress);
 }
 
 std::vector<SurfaceSample> sampleSurface(const Mesh& mesh, std::uint64_t count, std::uint64_t seed) {

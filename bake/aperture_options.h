@@ -5,7 +5,7 @@
 #include <optional>
 #include <string>
 
-#include "bake/aperture.h"
+#include "bake/scene_apertures.h"
 
 namespace CLI {
 class App;
@@ -19,12 +19,13 @@ struct ApertureOptions {
   int rays = 256;
   int bytes = 4;
   bool transfer = false;
+  std::string occluders = "self";  ///< self or scene
 };
 
 /// Adds the options to `app`.
 void addApertureOptions(CLI::App& app, ApertureOptions& options);
 
 /// What they ask for; nothing when they ask for no apertures. An Error when they ask for details of apertures but for none.
-Result<std::optional<ApertureSettings>> apertureSettings(const CLI::App& app, const ApertureOptions& options);
+Result<std::optional<SceneApertureSettings>> apertureSettings(const CLI::App& app, const ApertureOptions& options);
 
 }  // namespace overcast

@@ -31,7 +31,7 @@ struct Options {
   BakeSettings settings;
   ChoiceOptions choice;
   ApertureOptions apertures;
-  std::optional<ApertureSettings> apertureSettings;
+  std::optional<SceneApertureSettings> apertureSettings;
   int threads = 0;
   bool json = false;
   bool quiet = false;

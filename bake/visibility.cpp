@@ -15,6 +15,7 @@
 #include <glm/geometric.hpp>
 
 #include "bake/random.h"
+#include "bake/ray_scene.h"
 
 // One copy of a function per instruction set, chosen at run time; without fused multiply-add they give the same bits. Not under
 // sanitizers, which are not set up when the choice is made.
@@ -25,13 +26,6 @@
 #endif
 
 namespace overcast {
-
-struct RayScene {
-  RTCDevice device = nullptr;
-  RTCScene scene = nullptr;
-  glm::dvec3 centre{0.0};
-  double scale = 1.0;
-};
 
 namespace {
 
@@ -156,7 +150,7 @@ OVERCAST_VISIBILITY_CLONES void addHidden(const RTCRayNp& rays, std::size_t from
 }
 
 /// Sums over the rays of each eye that hit something.
-void traceHidden(const RayScene& scene, std::span<const Eye> eyes, const Table& table, Batch& batch, std::span<Moments> hidden) {
+void traceHidden(const Occluders& occluders, std::span<const Eye> eyes, const Table& table, Batch& batch, std::span<Moments> hidden) {
   RTCIntersectContext context;
   rtcInitIntersectContext(&context);
   const RTCRayNp rays = raysOf(batch);
@@ -167,14 +161,24 @@ void traceHidden(const RayScene& scene, std::span<const Eye> eyes, const Table& 
     for (std::size_t first = 0; first < table.size(); first += part) {
       const std::size_t rows = std::min(part, table.size() - first);
       for (std::size_t k = 0; k < count; ++k) addRays(rays, k * rows, eyes[e + k], table, first, rows);
-      rtcOccludedNp(scene.scene, &context, &rays, static_cast<unsigned>(count * rows));
+      rtcOccludedNp(occluders.self->scene, &context, &rays, static_cast<unsigned>(count * rows));
+      // Rays that the mesh itself stopped have ended: this call passes over them.
+      if (occluders.others != nullptr) rtcOccludedNp(occluders.others->scene, &context, &rays, static_cast<unsigned>(count * rows));
       for (std::size_t k = 0; k < count; ++k) addHidden(rays, k * rows, table, first, rows, hidden[e + k]);
     }
   }
 }
 
+/// Whether the ray's direction and the outer normal of what it hit point the same way.
+bool meetsBack(const RTCRayHit16& hits, std::size_t i, const Surroundings* others) {
+  if (hits.hit.geomID[i] == RTC_INVALID_GEOMETRY_ID) return false;
+  glm::vec3 direction(hits.ray.dir_x[i], hits.ray.dir_y[i], hits.ray.dir_z[i]);
+  if (hits.hit.instID[0][i] != RTC_INVALID_GEOMETRY_ID) direction = others->thereFromHere[hits.hit.instID[0][i]] * direction;
+  return glm::dot(glm::vec3(hits.hit.Ng_x[i], hits.hit.Ng_y[i], hits.hit.Ng_z[i]), direction) > 0.0f;
+}
+
 /// Whether most of the probing rays first meet the back of a triangle.
-bool isInterior(const RayScene& scene, const Eye& eye, const Table& probes) {
+bool isInterior(const Occluders& occluders, const Eye& eye, const Table& probes) {
   RTCIntersectContext context;
   rtcInitIntersectContext(&context);
   alignas(64) std::array<int, kRayPacket> valid;
@@ -192,14 +196,11 @@ bool isInterior(const RayScene& scene, const Eye& eye, const Table& probes) {
       hits.ray.dir_z[i] = d.z;
       hits.ray.tfar[i] = std::numeric_limits<float>::infinity();
       hits.ray.mask[i] = ~0u;
-      hits.hit.geomID[i] = RTC_INVALID_GEOMETRY_ID;
+      hits.hit.geomID[i] = hits.hit.instID[0][i] = RTC_INVALID_GEOMETRY_ID;
     }
-    rtcIntersect16(valid.data(), scene.scene, &context, &hits);
-    for (std::size_t i = 0; i < kRayPacket; ++i) {
-      const float along =
-          hits.hit.Ng_x[i] * hits.ray.dir_x[i] + hits.hit.Ng_y[i] * hits.ray.dir_y[i] + hits.hit.Ng_z[i] * hits.ray.dir_z[i];
-      backs += hits.hit.geomID[i] != RTC_INVALID_GEOMETRY_ID && along > 0.0f;
-    }
+    rtcIntersect16(valid.data(), occluders.self->scene, &context, &hits);
+    if (occluders.others != nullptr) rtcIntersect16(valid.data(), occluders.others->scene, &context, &hits);
+    for (std::size_t i = 0; i < kRayPacket; ++i) backs += meetsBack(hits, i, occluders.others);
   }
   return 2 * backs > probes.size();
 }
@@ -267,65 +268,9 @@ std::uint64_t spread(std::uint64_t v) {
   return (v | v << 2) & 0x1249249249249249;
 }
 
-/// The mesh in the units of the scene, as Embree's one geometry.
-void addGeometry(const RayScene& scene, const Mesh& mesh) {
-  const RTCGeometry geometry = rtcNewGeometry(scene.device, RTC_GEOMETRY_TYPE_TRIANGLE);
-  auto* vertices = static_cast<float*>(
-      rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, 3 * sizeof(float), mesh.positions.size()));
-  auto* indices = static_cast<std::uint32_t*>(
-      rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, 3 * sizeof(std::uint32_t), mesh.triangles.size()));
-  if (vertices != nullptr && indices != nullptr) {
-    for (const glm::dvec3& position : mesh.positions) {
-      const glm::dvec3 p = (position - scene.centre) * scene.scale;
-      for (int axis = 0; axis < 3; ++axis) *vertices++ = static_cast<float>(p[axis]);
-    }
-    for (const glm::uvec3& t : mesh.triangles)
-      for (int corner = 0; corner < 3; ++corner) *indices++ = t[corner];
-    rtcCommitGeometry(geometry);
-    rtcAttachGeometry(scene.scene, geometry);
-    rtcCommitScene(scene.scene);
-  }
-  rtcReleaseGeometry(geometry);
-}
-
-void release(RayScene& scene) {
-  if (scene.scene != nullptr) rtcReleaseScene(std::exchange(scene.scene, nullptr));
-  if (scene.device != nullptr) rtcReleaseDevice(std::exchange(scene.device, nullptr));
-}
-
-Result<Done> build(RayScene& scene, const Mesh& mesh, const char* configuration) {
-  release(scene);
-  scene.device = rtcNewDevice(configuration);
-  if (scene.device == nullptr) return Error{"", "", "Embree does not start"};
-  scene.scene = rtcNewScene(scene.device);
-  // Watertight at edges that triangles share: without it a sealed room lets single rays out.
-  rtcSetSceneFlags(scene.scene, RTC_SCENE_FLAG_ROBUST);
-  addGeometry(scene, mesh);
-  return Done{};
-}
-
 }  // namespace
 
-void RaySceneRelease::operator()(RayScene* scene) const {
-  release(*scene);
-  delete scene;
-}
-
-Result<RayScenePointer> makeRayScene(const Mesh& mesh) {
-  const Box box = bounds(mesh);
-  if (!(diagonal(box) > 0.0)) return Error{"", "", "mesh has no extent"};
-  RayScenePointer scene(new RayScene);
-  scene->centre = centre(box);
-  scene->scale = 1.0 / diagonal(box);
-  // Of Embree's watertight trees the one over vertex indices answers a tenth faster than its default; machines without AVX lack it.
-  for (const char* configuration : {"tri_accel=bvh8.triangle4i", ""}) {
-    if (const Result<Done> built = build(*scene, mesh, configuration); !built) return built.error();
-    if (rtcGetDeviceError(scene->device) == RTC_ERROR_NONE) return scene;
-  }
-  return Error{"", "", "Embree cannot hold the mesh"};
-}
-
-std::vector<PointVisibility> traceVisibility(const RayScene& scene, std::span<const SurfacePoint> points,
+std::vector<PointVisibility> traceVisibility(const Occluders& occluders, std::span<const SurfacePoint> points,
                                              const VisibilitySettings& settings, const Progress& progress) {
   const Table table = makeTable(settings.rays);
   const Table probes = makeTable(kProbes);
@@ -340,12 +285,12 @@ std::vector<PointVisibility> traceVisibility(const RayScene& scene, std::span<co
     const auto indices = std::span(order).subspan(tile * kTile).first(std::min(kTile, order.size() - tile * kTile));
     std::array<Eye, kTile> eyes;
     std::array<Moments, kTile> hidden{};
-    for (std::size_t i = 0; i < indices.size(); ++i) eyes[i] = eyeOf(scene, points[indices[i]], indices[i]);
-    traceHidden(scene, std::span(eyes).first(indices.size()), table, batches.local(), hidden);
+    for (std::size_t i = 0; i < indices.size(); ++i) eyes[i] = eyeOf(*occluders.self, points[indices[i]], indices[i]);
+    traceHidden(occluders, std::span(eyes).first(indices.size()), table, batches.local(), hidden);
     for (std::size_t i = 0; i < indices.size(); ++i) {
       PointVisibility& point = seen[indices[i]];
       point = pointVisibility(points[indices[i]], indices[i], meansOf(hidden[i], table), settings.transfer);
-      point.interior = point.visible < 0.5f && isInterior(scene, eyes[i], probes);
+      point.interior = point.visible < 0.5f && isInterior(occluders, eyes[i], probes);
     }
     const std::size_t now = done += indices.size();
     if (progress && !progress(static_cast<double>(now) / static_cast<double>(order.size()))) stopped = true;

@@ -8,6 +8,7 @@
 #include <span>
 #include <vector>
 
+#include <glm/mat4x4.hpp>
 #include <glm/vec3.hpp>
 
 #include "bake/progress.h"
@@ -47,15 +48,37 @@ struct RaySceneRelease {
 using RayScenePointer = std::unique_ptr<RayScene, RaySceneRelease>;
 
 /// A mesh ready for rays: recentred in double and scaled to a diagonal of 1, so that place and scale change nothing. An Error without a
-/// file when it has no extent or memory runs out. The mesh is copied.
-Result<RayScenePointer> makeRayScene(const Mesh& mesh);
+/// file when it has no extent or memory runs out. The mesh is copied. Scenes that are to see each other are made with one of them as
+/// `family`.
+Result<RayScenePointer> makeRayScene(const Mesh& mesh, const RayScene* family = nullptr);
+
+/// Another mesh about one.
+struct Neighbour {
+  const RayScene* scene = nullptr;
+  glm::dmat4 hereFromThere{1.0};  ///< from its space to that of the mesh it is a neighbour of; left out where it flattens
+};
+
+struct Surroundings;
+struct SurroundingsRelease {
+  void operator()(Surroundings* around) const;
+};
+using SurroundingsPointer = std::unique_ptr<Surroundings, SurroundingsRelease>;
+
+/// The neighbours of the mesh of `scene`, of its family, ready for rays. They must outlive it. An Error when memory runs out.
+Result<SurroundingsPointer> surround(const RayScene& scene, std::span<const Neighbour> neighbours);
+
+/// What rays can meet: the mesh that the points lie on, in whose space they and their directions are, and what is around it.
+struct Occluders {
+  const RayScene* self = nullptr;
+  const Surroundings* others = nullptr;  ///< null: nothing
+};
 
 /// What each point sees. Rays are uniform in solid angle: a spherical Fibonacci set (Keinert et al. 2015) turned about the normal by an
 /// angle that point i of the span has for itself, drawn from i alone. They start kRayOffset of the mesh's diagonal above the surface: far
 /// enough to leave the triangles the point lies on behind in single floats, near enough for the error to stay below 0.002 (MEASURED 4).
 /// Points are worked on in Morton order on all threads; the result does not depend on how many there are. A stopped `progress` leaves the
 /// rest untouched.
-std::vector<PointVisibility> traceVisibility(const RayScene& scene, std::span<const SurfacePoint> points,
+std::vector<PointVisibility> traceVisibility(const Occluders& occluders, std::span<const SurfacePoint> points,
                                              const VisibilitySettings& settings, const Progress& progress = {});
 inline constexpr double kRayOffset = 4e-6;
 

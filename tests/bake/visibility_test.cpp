@@ -9,6 +9,7 @@
 #include <gtest/gtest.h>
 #include <tbb/task_arena.h>
 #include <glm/geometric.hpp>
+#include <glm/gtc/matrix_transform.hpp>
 
 #include "formats/aperture.h"
 #include "formats/normals.h"
@@ -24,7 +25,7 @@ constexpr double kPi = std::numbers::pi;
 std::vector<PointVisibility> seen(const Mesh& mesh, const std::vector<SurfacePoint>& points, int rays, bool transfer = false) {
   auto scene = makeRayScene(mesh);
   EXPECT_TRUE(scene.ok());
-  return traceVisibility(*scene.value(), points, {rays, transfer});
+  return traceVisibility({scene.value().get(), nullptr}, points, {rays, transfer});
 }
 
 std::vector<SurfacePoint> verticesOf(const Mesh& mesh) {
@@ -252,6 +253,44 @@ TEST(Visibility, ASealedRoomLetsNoRayOut) {
   for (const PointVisibility& point : seen(room, points, 1024)) EXPECT_EQ(point.visible, 0.0f);
 }
 
+/// A small square facing up, and what a point on it sees of the sphere of radius 1 that `hereFromThere` places.
+PointVisibility underSphere(const glm::dmat4& hereFromThere) {
+  Mesh square;
+  square.positions = {{-0.1, -0.1, 0.0}, {0.1, -0.1, 0.0}, {0.1, 0.1, 0.0}, {-0.1, 0.1, 0.0}};
+  square.triangles = {{0, 1, 2}, {0, 2, 3}};
+  auto here = makeRayScene(square);
+  auto there = makeRayScene(reference::moved(reference::icosphere(1.0, 5), {50.0, 0.0, 0.0}), here.value().get());
+  const Neighbour neighbour{there.value().get(), hereFromThere * glm::translate(glm::dmat4(1.0), {-50.0, 0.0, 0.0})};
+  auto around = surround(*here.value(), {&neighbour, 1});
+  EXPECT_TRUE(around.ok());
+  const std::vector<SurfacePoint> points = {{{0.01, 0.02, 0.0}, {0.0f, 0.0f, 1.0f}}};
+  return traceVisibility({here.value().get(), around.value().get()}, points, {65536, false}).front();
+}
+
+TEST(Visibility, NeighboursHideTheSkyWhereTheyLie) {
+  // A sphere of radius 3 at a distance of 5 in one direction, plain, turned or mirrored: a cap of asin(3/5) is hidden.
+  const glm::dvec3 towards = glm::normalize(glm::dvec3(0.3, -0.2, 0.9));
+  const glm::dmat4 place = glm::scale(glm::translate(glm::dmat4(1.0), glm::dvec3(0.01, 0.02, 0.0) + 5.0 * towards), glm::dvec3(3.0));
+  const glm::dmat4 turned = glm::rotate(place, 1.0, glm::dvec3(1.0, 2.0, 0.5));
+  const glm::dmat4 mirrored = glm::scale(turned, glm::dvec3(-1.0, 1.0, 1.0));
+  for (const glm::dmat4& transform : {place, turned, mirrored}) {
+    const PointVisibility point = underSphere(transform);
+    EXPECT_NEAR(point.visible, std::cos(std::asin(0.6)), 1e-3);            // 1 - (1 - cos): all of the cap is above the horizon
+    EXPECT_NEAR(point.ambient, 1.0 - 0.36 * towards.z, 1e-3);              // the projected solid angle of a cap above the horizon
+    EXPECT_LT(glm::dot(glm::dvec3(point.direction), towards), towards.z);  // leans away
+    EXPECT_FALSE(point.interior);
+  }
+}
+
+TEST(Visibility, PointsInsideOfANeighbourAreInterior) {
+  for (const double sign : {1.0, -1.0}) {
+    const PointVisibility point = underSphere(glm::scale(glm::dmat4(1.0), glm::dvec3(2.0, 2.0 * sign, 2.0)));
+    EXPECT_TRUE(point.interior);
+    EXPECT_EQ(point.visible, 0.0f);
+  }
+  EXPECT_EQ(underSphere(glm::scale(glm::dmat4(1.0), glm::dvec3(1.0, 0.0, 1.0))).visible, 1.0f);  // flattened: left out
+}
+
 TEST(Visibility, AMeshWithoutExtentIsAnError) {
   Mesh mesh;
   mesh.positions.assign(3, glm::dvec3(1.0));
@@ -265,7 +304,7 @@ TEST(Visibility, AStoppedJobStops) {
   ASSERT_TRUE(scene.ok());
   int calls = 0;
   tbb::task_arena arena(1);
-  arena.execute([&] { traceVisibility(*scene.value(), verticesOf(mesh), {}, [&](double) { return ++calls < 2; }); });
+  arena.execute([&] { traceVisibility({scene.value().get(), nullptr}, verticesOf(mesh), {}, [&](double) { return ++calls < 2; }); });
   EXPECT_EQ(calls, 2);
 }
 

@@ -86,8 +86,50 @@ TEST_F(ApertureCommand, TheSameInputGivesTheSameBytesWithAnyNumberOfThreads) {
   }
 }
 
+/// Three times the same ball: two at rest side by side along x, one that moves between them and above.
+Scene balls() {
+  Scene scene = sceneFromMesh(reference::icosphere(1.0, 3));
+  scene.nodes.resize(3, scene.nodes[0]);
+  scene.nodes[1].translation = {2.2, 0.0, 0.0};
+  scene.nodes[2].translation = {1.1, 2.0, 0.0};
+  scene.animations = {{"", {{2, AnimatedProperty::translation, Interpolation::linear, {0.0, 1.0}, {{1.1, 2, 0, 0}, {1.1, 3, 0, 0}}}}}};
+  return scene;
+}
+
+/// The radius at the vertex of `mesh` that lies furthest along x, times `sign`.
+float radiusAlongX(const Mesh& mesh, double sign) {
+  std::size_t best = 0;
+  for (std::size_t i = 0; i < mesh.positions.size(); ++i)
+    if (sign * mesh.positions[i].x > sign * mesh.positions[best].x) best = i;
+  return mesh.visibility->apertures[best].radius;
+}
+
+TEST_F(ApertureCommand, RestingObjectsOfASceneSeeEachOther) {
+  ASSERT_TRUE(writeScene(folder / "scene.gltf", balls()).ok());
+  const ShellResult result = bake("scene.gltf --apertures vertex --occluders scene");
+  ASSERT_EQ(result.exitCode, 0) << result.output;
+  const Scene read = scene();
+  ASSERT_EQ(read.nodes.size(), 3u);
+  const auto meshOf = [&](std::size_t node) -> const Mesh& { return read.meshes[static_cast<std::size_t>(read.nodes[node].mesh)]; };
+  const float open = capRadius(1.0);
+  // Where the balls nearly touch, at a distance of 0.2 from a sphere of radius 1, asin(1 / 1.2) is hidden.
+  const float facing = capRadius(std::cos(std::asin(1.0 / 1.2)));
+  EXPECT_NEAR(radiusAlongX(meshOf(0), 1.0), facing, 0.02);
+  EXPECT_NEAR(radiusAlongX(meshOf(1), -1.0), facing, 0.02);
+  EXPECT_EQ(radiusAlongX(meshOf(0), -1.0), open);
+  EXPECT_EQ(radiusAlongX(meshOf(1), 1.0), open);
+  for (const Aperture& aperture : meshOf(2).visibility->apertures) EXPECT_EQ(aperture.radius, open);
+  EXPECT_EQ(read.nodes[0].occluder->uri, read.nodes[1].occluder->uri);
+  EXPECT_EQ(read.nodes[0].occluder->uri, read.nodes[2].occluder->uri);
+
+  ASSERT_EQ(bake("scene.gltf --apertures vertex --occluders self").exitCode, 0);
+  const Scene alone = scene();
+  ASSERT_EQ(alone.meshes.size(), 1u);
+  EXPECT_EQ(radiusAlongX(alone.meshes[0], 1.0), open);
+}
+
 TEST_F(ApertureCommand, DetailsWithoutAperturesAreRefused) {
-  for (const char* detail : {"--rays 256", "--transfer", "--aperture-bytes 8"}) {
+  for (const char* detail : {"--rays 256", "--transfer", "--occluders scene", "--aperture-bytes 8"}) {
     const ShellResult result = bake(std::string("ring.off ") + detail);
     EXPECT_EQ(result.exitCode, 2);
     EXPECT_THAT(result.output, HasSubstr("needs --apertures vertex"));
