@@ -61,7 +61,7 @@ void addInstance(Surroundings& around, RTCDevice device, const RayScene& other, 
   rtcCommitGeometry(geometry);
   rtcAttachGeometry(around.scene, geometry);  // numbered from 0 in this order
   rtcReleaseGeometry(geometry);
-  around.thereFromHere.push_back(glm::mat3((determinant < 0.0 ? -1.0 : 1.0) * glm::inverse(linear)));
+  around.thereFromHere.push_back(glm::mat3(glm::inverse(linear)));
 }
 
 }  // namespace

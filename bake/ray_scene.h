@@ -24,8 +24,8 @@ struct RayScene {
 /// Instances of other ray scenes in the units of one.
 struct Surroundings {
   RTCSceneTy* scene = nullptr;
-  /// Per instance: a direction here as one in the instance's own space, reversed where the instance is mirrored, so that it meets the
-  /// instance's normals as it meets the surface here.
+  /// Per instance: a direction here as one in the instance's own space, where it meets its normals. A mirrored instance keeps its outside
+  /// (glTF 2.0, 3.7.4).
   std::vector<glm::mat3> thereFromHere;
 };
 
