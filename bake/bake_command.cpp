@@ -80,6 +80,9 @@ class Run {
     };
     if (!options_.quiet) {
       job.context.done = [&](const MeshBake& mesh) { say(mesh); };
+      job.lit = [&](const MeshBake& mesh) {
+        if (mesh.apertures) say(mesh.source, *mesh.apertures);
+      };
       job.read = [&](const InputReport& input) { say(input.path.filename().string(), input.notes); };
     }
     return std::make_shared<JobReport>(runJob(plan_.jobs[index], job));
@@ -87,6 +90,10 @@ class Run {
 
   void say(const std::string& source, const std::vector<std::string>& notes) {
     for (const std::string& note : notes) bar_.line(fmt::format("{}: note: {}", source, note));
+  }
+
+  void say(const std::string& source, const ApertureReport& apertures) {
+    bar_.line(fmt::format("{}: {}", source, summaryLine(apertures)));
   }
 
   void say(const MeshBake& mesh) {

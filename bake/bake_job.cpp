@@ -46,6 +46,7 @@ std::vector<fs::path> filesOf(const fs::path& input) {
 /// Hash of all that decides what the job makes; nothing when an input cannot be read, which reading it in earnest will explain.
 std::optional<std::string> keyOf(const BakeJob& job, const std::vector<std::vector<fs::path>>& files) {
   std::string text = fmt::format("scene {} {}", programHash(), job.name);
+  if (job.apertures) text += "\n" + settingsText(*job.apertures);
   for (std::size_t i = 0; i < job.inputs.size(); ++i) {
     text += fmt::format("\n{}\n{}", job.inputs[i].filename().string(), settingsText(job.settings[i]));
     for (const fs::path& file : files[i]) {
@@ -81,6 +82,7 @@ class Runner {
       BakeContext context = options_.context;
       context.memory = &own;
       bakeMeshes(report_.bake, context);
+      if (job_.apertures && !stopped()) bakeSceneApertures(report_.bake, *job_.apertures, context.progress, options_.lit);
     }
     if (stopped()) return finished(JobOutcome::interrupted);
     return write();

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "bake/bake_report.h"
+#include "bake/scene_apertures.h"
 #include "bake/scene_bake.h"
 
 namespace overcast {
@@ -19,6 +20,7 @@ struct BakeJob {
   std::vector<BakeSettings> settings;         ///< of each input
   std::filesystem::path folder;
   std::string name;  ///< of the scene, without .gltf
+  std::optional<SceneApertureSettings> apertures;
 };
 
 enum class JobOutcome {
@@ -46,6 +48,7 @@ struct JobOptions {
   bool dryRun = false;         ///< reads inputs and looks into the cache, bakes and writes nothing; MeshBake::cached says what is there
   std::function<bool()> stop;  ///< may be left out: true asks to stop between steps
   std::function<void(const InputReport&)> read;  ///< may be left out: called in order when an input was read, or its notes were restored
+  MeshDone lit;                                  ///< may be left out: called when a mesh got its apertures
 };
 
 /// Same files for any thread count, with and without a cache.

@@ -153,6 +153,7 @@ void addBakeOptions(CLI::App& app, BakeOptions& options) {
       ->check([](const std::string& text) { return std::string(text.empty() ? "names no folder" : ""); });
   app.add_option("--name", options.name, "file name of the scene without .gltf [a single glTF keeps its name, else \"scene\"]");
   addSettings(app, options);
+  addApertureOptions(app, options.apertures);
   addScale(app, options);
   app.add_option("--threads", options.threads, "threads to use; 0: all. The result is the same for any number")
       ->check(CLI::Range(0, 4096))
@@ -168,6 +169,8 @@ std::variant<BakePlan, PlanError> planBake(const BakeOptions& options) {
     return PlanError{PlanFault::usage, Error{"", "", fmt::format("--name '{}' is not a plain file name", name)}};
   const SettingsLayer top = commandLine(options);
   if (std::string wrong = contradiction(top); !wrong.empty()) return wrongUsage(std::move(wrong));
+  const auto apertures = apertureSettings(options.apertures);
+  if (!apertures) return PlanError{PlanFault::usage, apertures.error()};
   BakePlan plan;
   Config config;
   if (!options.config.empty()) {
@@ -183,6 +186,7 @@ std::variant<BakePlan, PlanError> planBake(const BakeOptions& options) {
   auto jobs = jobsOf(options, files);
   if (!jobs) return PlanError{PlanFault::usage, jobs.error()};
   plan.jobs = std::move(jobs).value();
+  for (BakeJob& job : plan.jobs) job.apertures = apertures.value();
   for (std::size_t i = 0; i < files.size(); ++i) {
     auto settings = settle(config, top, files[i]);
     if (!settings) return wrongUsage(settings.error().reason);

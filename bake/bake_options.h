@@ -7,6 +7,7 @@
 #include <variant>
 #include <vector>
 
+#include "bake/aperture_options.h"
 #include "bake/bake_job.h"
 #include "bake/cache.h"
 #include "bake/choice_options.h"
@@ -24,6 +25,7 @@ struct BakeOptions {
   std::filesystem::path depfile;
   SettingsLayer settings;  ///< without what `choice` says
   ChoiceOptions choice;
+  ApertureOptions apertures;
   std::uint64_t cacheLimit = kDefaultCacheLimit;
   std::uint64_t memory = 0;  ///< 0: three quarters of what is available
   int threads = 0;

@@ -90,10 +90,22 @@ Json toJson(const ChoiceRecord& record) {
   return json;
 }
 
+Json toJson(const InterpolationError& error) {
+  return {{"radius", error.radius}, {"ambient", error.ambient}, {"direction", error.direction}};
+}
+
+Json toJson(const ApertureReport& report) {
+  return {{"vertices", report.vertices},  {"points", report.points}, {"interior", report.interior},
+          {"shut", report.shut},          {"rays", report.rays},     {"seconds", report.seconds},
+          {"samples", report.samples},    {"fitted", report.fitted}, {"sampled", toJson(report.sampled)},
+          {"error", toJson(report.error)}};
+}
+
 Json toJson(const SceneBake& bake, const MeshBake& mesh) {
   const MeshBake& owner = mesh.sameAs < 0 ? mesh : bake.meshes[static_cast<std::size_t>(mesh.sameAs)];
   Json json = {{"source", mesh.source}, {"faces", mesh.faces},     {"shared", mesh.sameAs >= 0},
                {"cached", mesh.cached}, {"seconds", mesh.seconds}, {"settingsHash", mesh.hash}};
+  if (mesh.apertures) json["apertures"] = toJson(*mesh.apertures);
   if (!owner.asset) return json;
   json["found"] = toJson(owner.found);
   json["surface"] = toJson(owner.surface);
@@ -133,6 +145,17 @@ std::string summaryLine(const MeshBake& mesh) {
       mesh.inBox->samples == 0 ? "error not measured" : fmt::format("rms {:.3f} voxel", mesh.inBox->rms / volume.voxelSize);
   return fmt::format("{}: {}, {}x{}x{}, {}, {}, {}, {}", mesh.source, faces, volume.size.x, volume.size.y, volume.size.z, time, measured,
                      closed, mesh.occluder.signMethod);
+}
+
+std::string summaryLine(const ApertureReport& report) {
+  std::string line = "apertures: " + counted(report.vertices, "vertex", "vertices");
+  if (report.interior > 0) line += fmt::format(", {} in solids", grouped(report.interior));
+  if (report.shut > 0) line += fmt::format(", {} shut", grouped(report.shut));
+  line += fmt::format(", {:.2f} s", report.seconds);
+  if (report.samples == 0) return line;
+  line += fmt::format(", between vertices rms {:.3f} rad of radius, {:.3f} of sky light", report.error.radius, report.error.ambient);
+  if (report.fitted) line += fmt::format(" (fitted; unfitted {:.3f}, {:.3f})", report.sampled.radius, report.sampled.ambient);
+  return line;
 }
 
 std::string choiceJson(const ChoiceRecord& record) {

@@ -5,6 +5,7 @@
 #include <optional>
 #include <string>
 
+#include "bake/aperture.h"
 #include "bake/choose.h"
 #include "bake/examine.h"
 #include "bake/volume.h"
@@ -52,6 +53,7 @@ struct MeshBake {
   SurfaceReport surface;               ///< thin: a voxel of a volume, a hundredth of the diagonal of anything else
   std::optional<MeasuredError> inBox;  ///< BakedVolume::error, without choice
   std::optional<ChoiceRecord> choice;  ///< with choice
+  std::optional<ApertureReport> apertures;  ///< where vertices were given apertures (bake/scene_apertures.h), unless out of the cache
   std::optional<Error> error;
   Occluder occluder;  ///< with `asset`: all of it but the uri and the source, which writeBake fills in
 };

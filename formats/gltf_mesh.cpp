@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 #include <numeric>
+#include <optional>
 #include <utility>
 
 #include <tiny_gltf.h>
@@ -24,14 +25,29 @@ struct VertexRange {
   std::uint32_t count = 0;
 };
 
-/// Vertices already in the mesh by their POSITION and NORMAL accessors, so that primitives which share vertices go on sharing them.
-using SharedVertices = std::map<std::pair<int, int>, VertexRange>;
+/// The accessors that make the vertices of a primitive; -1: it has none.
+struct VertexAccessors {
+  int position = -1;
+  int normal = -1;
+  int aperture = -1;
+  std::array<int, 3> transfer = {-1, -1, -1};
+
+  auto operator<=>(const VertexAccessors&) const = default;
+};
+
+/// Vertices already in the mesh by their accessors, so that primitives which share vertices go on sharing them.
+using SharedVertices = std::map<VertexAccessors, VertexRange>;
 
 struct MeshUnderway {
   Mesh mesh;
   SharedVertices shared;
-  std::vector<bool> finite;  ///< one per position
+  std::vector<bool> finite;     ///< one per position
+  VertexVisibility visibility;  ///< zeros where primitives have none
+  // Of primitives with triangles:
   bool lacksNormals = false;
+  bool lacksApertures = false;
+  bool mixesPackings = false;
+  bool lacksTransfer = false;
 };
 
 /// A unit vector as it is (bit for bit), another one normalised, and zero when it has no direction.
@@ -46,10 +62,97 @@ int attribute(const tinygltf::Primitive& primitive, const char* name) {
   return found == primitive.attributes.end() ? -1 : found->second;
 }
 
-Result<VertexRange> addVertices(const tinygltf::Model& model, int position, int normal, MeshUnderway& underway, Tally& tally) {
-  const auto known = underway.shared.find({position, normal});
+bool isAccessor(const tinygltf::Model& model, int accessor, int type) {
+  return accessor >= 0 && static_cast<std::size_t>(accessor) < model.accessors.size() &&
+         model.accessors[static_cast<std::size_t>(accessor)].type == type;
+}
+
+/// Which packing an _APERTURE accessor has; nothing when it is not one of ours, since any program may use that name.
+std::optional<ApertureBits> packingOf(const tinygltf::Model& model, int accessor) {
+  if (!isAccessor(model, accessor, TINYGLTF_TYPE_VEC4)) return std::nullopt;
+  const tinygltf::Accessor& source = model.accessors[static_cast<std::size_t>(accessor)];
+  if (source.normalized) return std::nullopt;
+  if (source.componentType == TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE) return ApertureBits::packed32;
+  if (source.componentType == TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT) return ApertureBits::packed64;
+  return std::nullopt;
+}
+
+VertexAccessors accessorsOf(const tinygltf::Model& model, const tinygltf::Primitive& primitive, Tally& tally) {
+  VertexAccessors accessors{attribute(primitive, "POSITION"), attribute(primitive, "NORMAL"), attribute(primitive, "_APERTURE"), {}};
+  if (accessors.aperture >= 0 && !packingOf(model, accessors.aperture)) {
+    accessors.aperture = -1;
+    ++tally["attributes _APERTURE are not four unsigned bytes or shorts and were left out"];
+  }
+  bool whole = true;
+  for (std::size_t i = 0; i < 3; ++i) {
+    accessors.transfer[i] = attribute(primitive, fmt::format("_TRANSFER_{}", i).c_str());
+    whole = whole && isAccessor(model, accessors.transfer[i], TINYGLTF_TYPE_VEC3);
+  }
+  if (!whole) accessors.transfer.fill(-1);
+  return accessors;
+}
+
+/// Four numbers of an _APERTURE attribute as the code they spell, lowest first.
+std::uint64_t codeOf(const double* numbers, ApertureBits bits) {
+  const int width = bits == ApertureBits::packed32 ? 8 : 16;
+  std::uint64_t code = 0;
+  for (int c = 0; c < 4; ++c) code |= static_cast<std::uint64_t>(numbers[c]) << (c * width);
+  return code;
+}
+
+Result<Done> addApertures(const tinygltf::Model& model, int accessor, const VertexRange& range, VertexVisibility& visibility) {
+  auto read = readNumbers(model, accessor, 4);
+  if (!read) return read.error();
+  const std::vector<double>& numbers = read.value();
+  if (numbers.size() != std::size_t{4} * range.count)
+    return Error{"", "_APERTURE", fmt::format("has {} elements where POSITION has {}", numbers.size() / 4, range.count)};
+  visibility.bits = *packingOf(model, accessor);
+  for (std::size_t i = 0; i < range.count; ++i) {
+    const std::uint64_t code = codeOf(&numbers[4 * i], visibility.bits);
+    const bool wide = visibility.bits == ApertureBits::packed64;
+    visibility.apertures[range.first + i] = wide ? unpackAperture64(code) : unpackAperture32(static_cast<std::uint32_t>(code));
+    if (wide) visibility.ambient[range.first + i] = unpackAmbient64(code);
+  }
+  return Done{};
+}
+
+Result<Done> addTransfer(const tinygltf::Model& model, const std::array<int, 3>& accessors, const VertexRange& range,
+                         VertexVisibility& visibility) {
+  for (std::size_t k = 0; k < 3; ++k) {
+    auto read = readNumbers(model, accessors[k], 3);
+    if (!read) return read.error();
+    const std::string place = fmt::format("_TRANSFER_{}", k);
+    const std::vector<double>& numbers = read.value();
+    if (numbers.size() != std::size_t{3} * range.count)
+      return Error{"", place, fmt::format("has {} elements where POSITION has {}", numbers.size() / 3, range.count)};
+    for (std::size_t i = 0; i < numbers.size(); ++i) {
+      const auto number = static_cast<float>(numbers[i]);
+      if (!std::isfinite(number)) return Error{"", place, fmt::format("element {} is not a finite number", i / 3)};
+      visibility.transfer[range.first + i / 3][3 * k + i % 3] = number;
+    }
+  }
+  return Done{};
+}
+
+/// Room for the visibility of vertices that were just added, and what the primitive has of it.
+Result<Done> addVisibility(const tinygltf::Model& model, const VertexAccessors& accessors, const VertexRange& range,
+                           VertexVisibility& visibility) {
+  const std::size_t count = std::size_t{range.first} + range.count;
+  visibility.apertures.resize(count);
+  visibility.ambient.resize(count);
+  visibility.transfer.resize(count);
+  if (accessors.aperture >= 0) {
+    auto added = addApertures(model, accessors.aperture, range, visibility);
+    if (!added) return added.error();
+  }
+  return accessors.transfer[0] >= 0 ? addTransfer(model, accessors.transfer, range, visibility) : Done{};
+}
+
+Result<VertexRange> addVertices(const tinygltf::Model& model, const VertexAccessors& accessors, MeshUnderway& underway, Tally& tally) {
+  const auto known = underway.shared.find(accessors);
   if (known != underway.shared.end()) return known->second;
-  auto positions = readNumbers(model, position, 3);
+  const int normal = accessors.normal;
+  auto positions = readNumbers(model, accessors.position, 3);
   if (!positions) return positions.error();
   const std::vector<double>& p = positions.value();
   const std::size_t count = p.size() / 3;
@@ -70,7 +173,9 @@ Result<VertexRange> addVertices(const tinygltf::Model& model, int position, int 
     if (n.size() != p.size()) return Error{"", "NORMAL", fmt::format("has {} elements where POSITION has {}", n.size() / 3, count)};
     for (std::size_t i = 0; i < count; ++i) mesh.normals[range.first + i] = unitOrZero({n[3 * i], n[3 * i + 1], n[3 * i + 2]});
   }
-  underway.shared.emplace(std::pair{position, normal}, range);
+  auto added = addVisibility(model, accessors, range, underway.visibility);
+  if (!added) return added.error();
+  underway.shared.emplace(accessors, range);
   return range;
 }
 
@@ -96,16 +201,15 @@ Result<Done> addPrimitive(const tinygltf::Model& model, const tinygltf::Primitiv
     ++tally["primitives of points or lines were left out"];
     return Done{};
   }
-  const int position = attribute(primitive, "POSITION");
-  const int normal = attribute(primitive, "NORMAL");
-  if (position < 0) {
+  const VertexAccessors accessors = accessorsOf(model, primitive, tally);
+  if (accessors.position < 0) {
     ++tally["primitives without positions were left out"];
     return Done{};
   }
   if (primitive.material >= 0 && static_cast<std::size_t>(primitive.material) >= model.materials.size())
     return Error{"", "material", fmt::format("{} does not exist", primitive.material)};
   if (!primitive.targets.empty()) ++tally["primitives with morph targets are undeformed"];
-  auto range = addVertices(model, position, normal, underway, tally);
+  auto range = addVertices(model, accessors, underway, tally);
   if (!range) return range.error();
   auto indices = indicesOf(model, primitive, range.value().count);
   if (!indices) return indices.error();
@@ -129,9 +233,32 @@ Result<Done> addPrimitive(const tinygltf::Model& model, const tinygltf::Primitiv
   }
   part.triangleCount = static_cast<std::uint32_t>(mesh.triangles.size()) - part.firstTriangle;
   if (part.triangleCount == 0) return Done{};
-  if (normal < 0) underway.lacksNormals = true;
+  underway.lacksNormals |= accessors.normal < 0;
+  underway.lacksApertures |= accessors.aperture < 0;
+  underway.mixesPackings |= accessors.aperture >= 0 && packingOf(model, accessors.aperture) != underway.visibility.bits;
+  underway.lacksTransfer |= accessors.transfer[0] < 0;
   mesh.parts.push_back(part);
   return Done{};
+}
+
+/// Visibility is kept where all primitives of a mesh have it, in the same packing, and normals beside it.
+void finishVisibility(MeshUnderway& underway, Tally& tally) {
+  VertexVisibility& visibility = underway.visibility;
+  const auto someHave = [&](auto has) {
+    return std::any_of(underway.shared.begin(), underway.shared.end(), [&](const auto& entry) { return has(entry.first); });
+  };
+  const bool apertures = someHave([](const VertexAccessors& a) { return a.aperture >= 0; });
+  const bool transfer = someHave([](const VertexAccessors& a) { return a.transfer[0] >= 0; });
+  const bool useless = underway.mesh.normals.empty();
+  const bool dropsApertures = useless || underway.lacksApertures || underway.mixesPackings;
+  const bool dropsTransfer = useless || underway.lacksTransfer;
+  if ((apertures && dropsApertures) || (transfer && dropsTransfer))
+    ++tally["meshes have visibility on some primitives only, or no normals beside it; it was left out"];
+  if (dropsApertures) visibility.apertures.clear();
+  if (dropsApertures || visibility.bits == ApertureBits::packed32) visibility.ambient.clear();
+  if (dropsApertures) visibility.bits = ApertureBits::packed32;
+  if (dropsTransfer) visibility.transfer.clear();
+  if (!visibility.apertures.empty() || !visibility.transfer.empty()) underway.mesh.visibility = std::move(visibility);
 }
 
 }  // namespace
@@ -147,11 +274,12 @@ Result<Mesh> readGltfMesh(const tinygltf::Model& model, int mesh, Tally& tally) 
     return Error{"", fmt::format("meshes/{}/primitives/{}", mesh, i), error.place + ": " + error.reason};
   }
   if (underway.lacksNormals) {
-    const bool someHave = std::any_of(underway.shared.begin(), underway.shared.end(), [](const auto& e) { return e.first.second >= 0; });
+    const bool someHave = std::any_of(underway.shared.begin(), underway.shared.end(), [](const auto& e) { return e.first.normal >= 0; });
     if (someHave) ++tally["meshes have normals on some primitives only; these were left out"];
     underway.mesh.normals.clear();
   }
   if (underway.mesh.parts.empty()) underway.mesh.normals.clear();
+  finishVisibility(underway, tally);
   return std::move(underway.mesh);
 }
 

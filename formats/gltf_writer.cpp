@@ -25,6 +25,8 @@ using Json = nlohmann::ordered_json;
 
 constexpr int kArrayBuffer = 34962;
 constexpr int kElementArrayBuffer = 34963;
+constexpr int kUnsignedByte = 5121;
+constexpr int kUnsignedShort = 5123;
 constexpr int kUnsignedInt = 5125;
 constexpr int kFloat = 5126;
 
@@ -98,6 +100,26 @@ std::optional<std::vector<float>> positionFloats(const Mesh& mesh) {
   return floats;
 }
 
+/// Adds the attributes of what a mesh's vertices see.
+void addVisibility(const VertexVisibility& visibility, Json& attributes, Binary& binary) {
+  const std::size_t count = visibility.apertures.size();
+  if (visibility.bits == ApertureBits::packed32 && count > 0) {
+    std::vector<std::uint32_t> codes;
+    for (const Aperture& aperture : visibility.apertures) codes.push_back(packAperture32(aperture));
+    attributes["_APERTURE"] = addAccessor(binary, addView(binary, codes, kArrayBuffer), 0, kUnsignedByte, count, "VEC4");
+  } else if (count > 0) {
+    std::vector<std::uint64_t> codes;
+    for (std::size_t i = 0; i < count; ++i) codes.push_back(packAperture64(visibility.apertures[i], visibility.ambient[i]));
+    attributes["_APERTURE"] = addAccessor(binary, addView(binary, codes, kArrayBuffer), 0, kUnsignedShort, count, "VEC4");
+  }
+  for (std::size_t k = 0; k < 3 && !visibility.transfer.empty(); ++k) {
+    std::vector<float> floats;
+    for (const std::array<float, 9>& transfer : visibility.transfer)
+      floats.insert(floats.end(), {transfer[3 * k], transfer[3 * k + 1], transfer[3 * k + 2]});
+    attributes[fmt::format("_TRANSFER_{}", k)] = addFloats(binary, floats, 3, kArrayBuffer, false);
+  }
+}
+
 Result<Json> meshJson(Mesh mesh, std::size_t index, Binary& binary) {
   if (mesh.normals.empty()) mesh = withNormals(std::move(mesh));
   mendNormals(mesh);
@@ -112,13 +134,15 @@ Result<Json> meshJson(Mesh mesh, std::size_t index, Binary& binary) {
 
   const std::size_t position = addFloats(binary, *positions, 3, kArrayBuffer, true);
   const std::size_t normal = addFloats(binary, normals, 3, kArrayBuffer, false);
+  Json attributes = {{"NORMAL", normal}, {"POSITION", position}};
+  if (mesh.visibility) addVisibility(*mesh.visibility, attributes, binary);
   const std::size_t view = addView(binary, indices, kElementArrayBuffer);
   Json primitives = Json::array();
   for (const MeshPart& part : mesh.parts) {
     if (part.triangleCount == 0) continue;
     const std::size_t first = std::size_t{12} * part.firstTriangle;
     const std::size_t accessor = addAccessor(binary, view, first, kUnsignedInt, std::size_t{3} * part.triangleCount, "SCALAR");
-    Json primitive = {{"attributes", {{"NORMAL", normal}, {"POSITION", position}}}, {"indices", accessor}};
+    Json primitive = {{"attributes", attributes}, {"indices", accessor}};
     if (part.material >= 0) primitive["material"] = part.material;
     primitives.push_back(std::move(primitive));
   }

@@ -3,11 +3,13 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include <glm/vec3.hpp>
 
+#include "formats/aperture.h"
 #include "formats/result.h"
 #include "formats/sandbox.h"
 
@@ -35,7 +37,8 @@ struct MeshPart {
 
 /// Triangles over shared vertices, in the units and axes of the file. Positions are double: meshes far from the origin keep their detail.
 /// Invariants after any reader of `formats`: positions finite, every index below positions.size(), normals empty or one per
-/// position (unit length or zero), parts cover all triangles in order without gaps.
+/// position (unit length or zero), parts cover all triangles in order without gaps, visibility only beside normals and whole
+/// (formats/aperture.h, brokenVisibility).
 /// Not promised: closed, manifold, oriented, free of degenerate or duplicate triangles. `bake/repair.h` looks at that.
 struct Mesh {
   std::string name;
@@ -43,6 +46,7 @@ struct Mesh {
   std::vector<glm::vec3> normals;
   std::vector<glm::uvec3> triangles;
   std::vector<MeshPart> parts;
+  std::optional<VertexVisibility> visibility = std::nullopt;  ///< of baked meshes
 };
 
 Box bounds(const Mesh& mesh);  ///< of the vertices that triangles use; empty when there is no triangle

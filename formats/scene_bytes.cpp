@@ -7,8 +7,13 @@
 namespace overcast {
 
 template <class Archive>
+void fields(Archive& archive, VertexVisibility& visibility) {
+  archive(visibility.bits, visibility.apertures, visibility.ambient, visibility.transfer);
+}
+
+template <class Archive>
 void fields(Archive& archive, Mesh& mesh) {
-  archive(mesh.name, mesh.positions, mesh.normals, mesh.triangles, mesh.parts);
+  archive(mesh.name, mesh.positions, mesh.normals, mesh.triangles, mesh.parts, mesh.visibility);
 }
 
 template <class Archive>

@@ -19,6 +19,9 @@ std::string brokenMesh(const Mesh& mesh, std::size_t materials) {
   if (!mesh.normals.empty() && mesh.normals.size() != mesh.positions.size()) return "has another number of normals than positions";
   for (const glm::vec3& n : mesh.normals)
     if (!isFinite(n)) return "has a normal that is not finite";
+  if (mesh.visibility && mesh.normals.empty()) return "has visibility without normals";
+  if (mesh.visibility)
+    if (std::string broken = brokenVisibility(*mesh.visibility, mesh.positions.size()); !broken.empty()) return broken;
   for (const glm::uvec3& t : mesh.triangles)
     if (t.x >= mesh.positions.size() || t.y >= mesh.positions.size() || t.z >= mesh.positions.size()) return "has an index out of range";
   std::size_t next = 0;

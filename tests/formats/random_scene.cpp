@@ -43,6 +43,20 @@ std::string hash(Dice& dice) {
   return digits;
 }
 
+VertexVisibility visibility(Dice& dice, std::size_t vertices) {
+  VertexVisibility made;
+  const bool apertures = dice.chance(0.8);
+  if (apertures && dice.chance(0.5)) made.bits = ApertureBits::packed64;
+  for (std::size_t i = 0; apertures && i < vertices; ++i) {
+    made.apertures.push_back({dice.direction(), dice.single(0.0, 1.57)});
+    made.ambient.push_back(dice.single(0.0, 1.0));
+  }
+  if (!apertures || dice.chance(0.5)) made.transfer.resize(vertices);
+  for (std::array<float, 9>& transfer : made.transfer)
+    for (float& t : transfer) t = dice.single(-1.0, 1.0);
+  return asStored(std::move(made));
+}
+
 Mesh mesh(Dice& dice, int materials) {
   Mesh made;
   made.name = dice.name();
@@ -51,6 +65,7 @@ Mesh mesh(Dice& dice, int materials) {
     made.positions.push_back(dice.floats(-100, 100));
     made.normals.push_back(dice.direction());
   }
+  if (dice.chance(0.5)) made.visibility = visibility(dice, made.positions.size());
   for (int parts = dice.integer(1, 3); parts > 0; --parts) {
     const int count = dice.integer(1, 5);
     made.parts.push_back(

@@ -1,0 +1,131 @@
+#include "bake/scene_apertures.h"
+
+#include <algorithm>
+#include <map>
+#include <memory>
+
+#include <glm/matrix.hpp>
+
+#include "formats/normals.h"
+
+namespace overcast {
+namespace {
+
+std::size_t at(int index) {
+  return static_cast<std::size_t>(index);
+}
+
+/// Per node: whether an animation moves it or one of its ancestors.
+std::vector<char> movingNodes(const Scene& scene) {
+  std::vector<char> animated(scene.nodes.size(), 0), moving(scene.nodes.size(), 0);
+  for (const Animation& animation : scene.animations)
+    for (const AnimationChannel& channel : animation.channels) animated[at(channel.node)] = 1;
+  for (std::size_t n = 0; n < scene.nodes.size(); ++n)
+    for (int node = static_cast<int>(n); node >= 0 && !moving[n]; node = scene.nodes[at(node)].parent) moving[n] = animated[at(node)];
+  return moving;
+}
+
+/// Gives every resting node a mesh that no other node shows.
+void separateMeshes(SceneBake& bake, const std::vector<char>& moving) {
+  std::map<int, int> entry;  // of SceneBake::meshes, by mesh
+  for (std::size_t i = 0; i < bake.meshes.size(); ++i) entry[bake.meshes[i].mesh] = static_cast<int>(i);
+  std::vector<char> taken(bake.scene.meshes.size(), 0);
+  for (std::size_t n = 0; n < moving.size(); ++n)
+    if (moving[n] && bake.scene.nodes[n].mesh >= 0) taken[at(bake.scene.nodes[n].mesh)] = 1;
+  for (std::size_t n = 0; n < moving.size(); ++n) {
+    const int mesh = bake.scene.nodes[n].mesh;
+    if (moving[n] || mesh < 0 || !entry.contains(mesh)) continue;
+    if (!std::exchange(taken[at(mesh)], 1)) continue;
+    const int original = entry[mesh];
+    MeshBake copy = bake.meshes[at(original)];
+    copy.mesh = bake.scene.nodes[n].mesh = static_cast<int>(bake.scene.meshes.size());
+    if (copy.sameAs < 0) copy.sameAs = original;
+    copy.asset.reset();
+    bake.scene.meshes.push_back(Mesh(bake.scene.meshes[at(mesh)]));
+    bake.meshes.push_back(std::move(copy));
+  }
+}
+
+/// What every mesh sees: its own tree, and the trees of others as their nodes place them.
+struct Stage {
+  std::vector<RayScenePointer> trees;  ///< by mesh; null where no node shows it
+  std::vector<glm::dmat4> world;       ///< worldFromLocal of nodes
+  std::vector<int> resting;            ///< nodes that see each other
+};
+
+Result<SurroundingsPointer> surroundingsOf(const Stage& stage, const Scene& scene, int mesh) {
+  const auto node = std::find_if(stage.resting.begin(), stage.resting.end(), [&](int n) { return scene.nodes[at(n)].mesh == mesh; });
+  if (node == stage.resting.end() || glm::determinant(glm::dmat3(stage.world[at(*node)])) == 0.0) return SurroundingsPointer();
+  const glm::dmat4 localFromWorld = glm::inverse(stage.world[at(*node)]);
+  std::vector<Neighbour> neighbours;
+  for (const int other : stage.resting)
+    if (other != *node) neighbours.push_back({stage.trees[at(scene.nodes[at(other)].mesh)].get(), localFromWorld * stage.world[at(other)]});
+  return surround(*stage.trees[at(mesh)], neighbours);
+}
+
+Error failureOf(const SceneBake& bake, const MeshBake& job, const std::string& reason) {
+  return Error{bake.inputs[at(job.input)].string(), bake.scene.meshes[at(job.mesh)].name, reason};
+}
+
+/// Normals and trees of all meshes that are shown.
+Stage setStage(SceneBake& bake, const std::vector<char>& moving, Occluding occluders) {
+  Stage stage;
+  stage.trees.resize(bake.scene.meshes.size());
+  stage.world = worldFromLocal(bake.scene, 0.0);
+  std::vector<char> shown(bake.scene.meshes.size(), 0);
+  for (const Node& node : bake.scene.nodes)
+    if (node.mesh >= 0) shown[at(node.mesh)] = 1;
+  const RayScene* family = nullptr;
+  for (MeshBake& job : bake.meshes) {
+    if (job.error || !shown[at(job.mesh)]) continue;
+    Mesh& mesh = bake.scene.meshes[at(job.mesh)];
+    if (mesh.normals.empty()) mesh = withNormals(std::move(mesh));
+    mendNormals(mesh);
+    auto tree = makeRayScene(mesh, family);
+    if (!tree) job.error = failureOf(bake, job, tree.error().reason);
+    if (!tree) continue;
+    stage.trees[at(job.mesh)] = std::move(tree).value();
+    family = stage.trees[at(job.mesh)].get();
+  }
+  for (std::size_t n = 0; n < moving.size() && occluders == Occluding::scene; ++n) {
+    const int mesh = bake.scene.nodes[n].mesh;
+    if (!moving[n] && mesh >= 0 && stage.trees[at(mesh)]) stage.resting.push_back(static_cast<int>(n));
+  }
+  return stage;
+}
+
+}  // namespace
+
+std::string settingsText(const SceneApertureSettings& settings) {
+  const ApertureSettings& aperture = settings.aperture;
+  return fmt::format("apertures: rays {} transfer {} bits {} samples {} seed {} occluders {}", aperture.visibility.rays,
+                     aperture.visibility.transfer, static_cast<int>(aperture.bits), aperture.errorSamples, aperture.seed,
+                     static_cast<int>(settings.occluders));
+}
+
+void bakeSceneApertures(SceneBake& bake, const SceneApertureSettings& settings, const Progress& progress, const MeshDone& done) {
+  const std::vector<char> moving = movingNodes(bake.scene);
+  if (settings.occluders == Occluding::scene) separateMeshes(bake, moving);
+  const Stage stage = setStage(bake, moving, settings.occluders);
+  const auto count = static_cast<double>(bake.meshes.size());
+  for (std::size_t i = 0; i < bake.meshes.size(); ++i) {
+    MeshBake& job = bake.meshes[i];
+    if (job.error || !stage.trees[at(job.mesh)]) continue;
+    const auto others = surroundingsOf(stage, bake.scene, job.mesh);
+    if (!others) job.error = failureOf(bake, job, others.error().reason);
+    if (!others) continue;
+    Mesh& mesh = bake.scene.meshes[at(job.mesh)];
+    bool stopped = false;
+    BakedApertures baked =
+        bakeApertures(mesh, {stage.trees[at(job.mesh)].get(), others.value().get()}, settings.aperture, [&](double share) {
+          if (progress && !progress((static_cast<double>(i) + share) / count)) stopped = true;
+          return !stopped;
+        });
+    if (stopped) return;
+    mesh.visibility = std::move(baked.visibility);
+    job.apertures = baked.report;
+    if (done) done(job);
+  }
+}
+
+}  // namespace overcast

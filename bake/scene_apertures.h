@@ -1,0 +1,31 @@
+// Scene apertures: every mesh of a scene under bake gets apertures at its vertices.
+#pragma once
+
+#include <string>
+
+#include "bake/aperture.h"
+#include "bake/scene_bake.h"
+
+namespace overcast {
+
+/// What hides the sky from a mesh: the mesh alone, or all objects that never move.
+enum class Occluding { self, scene };
+
+struct SceneApertureSettings {
+  ApertureSettings aperture;
+  Occluding occluders = Occluding::self;
+};
+
+/// All settings that change what is baked, as text: equal exactly when all of them are.
+std::string settingsText(const SceneApertureSettings& settings);
+
+/// Bakes apertures into all meshes that nodes show, one after the other on all threads, and notes the reports in SceneBake::meshes. Meshes
+/// without normals get them first (formats/normals.h; creases split vertices). Points and directions are in the mesh's own space: under a
+/// node that scales unevenly its apertures are approximate.
+///
+/// With Occluding::scene, nodes that no animation moves see each other where they lie; nodes that move see and hide nothing but
+/// themselves. A mesh that several of the resting nodes show is copied for each of them, since each sees something else; the copies share
+/// the occluder. Failures land in MeshBake::error. `done` is called after each mesh.
+void bakeSceneApertures(SceneBake& bake, const SceneApertureSettings& settings, const Progress& progress = {}, const MeshDone& done = {});
+
+}  // namespace overcast
