@@ -31,22 +31,26 @@ Result<Done> take(Result<T> made, T& into) {
 
 void destroyTargets(const Device& device, FrameTargets& targets) {
   destroyTonemapPass(device, targets.tonemap);
+  if (targets.aperture) destroyAperturePass(device, *targets.aperture);
+  targets.aperture.reset();
   destroyShadePass(device, targets.shade);
   destroyGeometryImages(device, targets.images);
 }
 
-Result<Done> makeTargets(const Device& device, FrameRenderer& renderer) {
+Result<Done> makeTargets(const Device& device, bool apertures, FrameRenderer& renderer) {
   FrameTargets& targets = renderer.targets;
   const FrameSettings& settings = renderer.settings;
   const VkExtent2D full{static_cast<std::uint32_t>(settings.width * settings.supersample),
                         static_cast<std::uint32_t>(settings.height * settings.supersample)};
-  Result<Done> done = take(makeGeometryImages(device, full), targets.images);
+  Result<Done> done = take(makeGeometryImages(device, full, apertures), targets.images);
   if (done) done = take(makeShadePass(device, targets.images, renderer.pyramid, renderer.taps), targets.shade);
+  if (done && apertures)
+    done = take(makeAperturePass(device, targets.images, targets.shade.light, settings.apertureMode), targets.aperture.emplace());
   if (done) done = take(makeTonemapPass(device, targets.shade.light, settings.supersample), targets.tonemap);
   return done;
 }
 
-Result<Done> makeSubmission(const Device& device, FrameRenderer& renderer) {
+Result<Done> makeSubmission(const Device& device, bool apertures, FrameRenderer& renderer) {
   VkCommandBufferAllocateInfo allocate{VK_STRUCTURE_TYPE_COMMAND_BUFFER_ALLOCATE_INFO};
   allocate.commandPool = device.commandPool;
   allocate.level = VK_COMMAND_BUFFER_LEVEL_PRIMARY;
@@ -55,7 +59,9 @@ Result<Done> makeSubmission(const Device& device, FrameRenderer& renderer) {
   const VkFenceCreateInfo fence{VK_STRUCTURE_TYPE_FENCE_CREATE_INFO};
   if (made == VK_SUCCESS) made = vkCreateFence(device.device, &fence, nullptr, &renderer.done);
   if (made != VK_SUCCESS) return vulkanError(made, "cannot make a command buffer");
-  return take(makePassTimer(device, {"composite", "pyramid", "geometry", "shade", "tonemap"}), renderer.timer);
+  std::vector<std::string> names{"composite", "pyramid", "geometry", "shade", "tonemap"};
+  if (apertures) names.emplace_back("aperture");
+  return take(makePassTimer(device, std::move(names)), renderer.timer);
 }
 
 Result<Done> fillRenderer(const Device& device, const RuntimeScene& scene, FrameRenderer& renderer) {
@@ -69,9 +75,9 @@ Result<Done> fillRenderer(const Device& device, const RuntimeScene& scene, Frame
   const auto objects = static_cast<std::uint32_t>(scene.objects.size());
   if (done) done = take(makeCompositePass(device, renderer.grid, renderer.store, objects), renderer.composite);
   if (done) done = take(makePyramidPass(device, renderer.composite.volume, renderer.taps.count), renderer.pyramid);
-  if (done) done = take(makeGeometryPass(device, scene.vertices, scene.indices, objects), renderer.geometry);
-  if (done) done = makeSubmission(device, renderer);
-  if (done) done = makeTargets(device, renderer);
+  if (done) done = take(makeGeometryPass(device, scene.vertices, scene.indices, objects, scene.apertures), renderer.geometry);
+  if (done) done = makeSubmission(device, hasApertures(scene), renderer);
+  if (done) done = makeTargets(device, hasApertures(scene), renderer);
   return done;
 }
 
@@ -160,8 +166,9 @@ Result<Done> resizeFrames(const Device& device, FrameRenderer& renderer, int wid
   const Result<Done> checked = checkSettings(settings);
   if (!checked) return checked;
   renderer.settings = settings;
+  const bool apertures = renderer.targets.aperture.has_value();
   destroyTargets(device, renderer.targets);
-  return makeTargets(device, renderer);
+  return makeTargets(device, apertures, renderer);
 }
 
 View defaultView(const RuntimeScene& scene, double time, double aspect) {
@@ -189,6 +196,10 @@ void recordFrame(VkCommandBuffer commands, FrameRenderer& renderer, const Runtim
   shade.skyColour = scene.lighting.skyColour;
   shade.up = scene.lighting.up;
   timed(commands, timer, FramePass::shade, [&] { recordShade(commands, targets.shade, renderer.grid, shade); });
+  if (targets.aperture)
+    timed(commands, timer, FramePass::aperture, [&] {
+      recordAperture(commands, *targets.aperture, apertureLights(scene.lighting, eye(view)), {clip, scene.lighting.skyColour});
+    });
   const TonemapView shown{glm::mat4(glm::inverse(clip)), scene.lighting.skyColour, scene.lighting.up, scene.lighting.exposure};
   timed(commands, timer, FramePass::tonemap, [&] { recordTonemap(commands, targets.tonemap, shown); });
 }

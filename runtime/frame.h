@@ -1,7 +1,7 @@
 // Frame: the ordered passes that this scene needs, from a point in time to a picture:
-//   transforms -> composite -> pyramid -> geometry -> shade -> tonemap
-// Composite and pyramid are skipped while nothing moves. The same scene, time, view and settings give the same bytes on one device,
-// whatever frames came before.
+//   transforms -> composite -> pyramid -> geometry -> shade -> (aperture) -> tonemap
+// Composite and pyramid are skipped while nothing moves; the aperture pass exists only for scenes with apertures. The same scene, time,
+// view and settings give the same bytes on one device, whatever frames came before.
 #pragma once
 
 #include <optional>
@@ -12,6 +12,7 @@
 #include "formats/image.h"
 #include "runtime/asset_store.h"
 #include "runtime/camera.h"
+#include "runtime/passes/aperture/aperture_pass.h"
 #include "runtime/passes/composite/composite_pass.h"
 #include "runtime/passes/geometry/geometry_pass.h"
 #include "runtime/passes/pyramid/pyramid_pass.h"
@@ -29,15 +30,17 @@ struct FrameSettings {
   int supersample = 1;            ///< samples per pixel along a side, 1 to 8, box-filtered in linear light before tone mapping
   std::optional<int> resolution;  ///< voxels along the longest side of the global volume; else the scene's
   std::optional<int> taps;        ///< of the estimator; else the scene's
+  ApertureMode apertureMode = ApertureMode::accurate;
 };
 
-/// The passes of a frame, in order; indices into what renderFrame returns.
-enum class FramePass { composite, pyramid, geometry, shade, tonemap };
+/// The passes of a frame; indices into what renderFrame returns, which ends before `aperture` where the scene has none.
+enum class FramePass { composite, pyramid, geometry, shade, tonemap, aperture };
 
 /// What depends on the size of the picture.
 struct FrameTargets {
   GeometryImages images;
   ShadePass shade;
+  std::optional<AperturePass> aperture;  ///< of scenes with apertures
   TonemapPass tonemap;
 };
 

@@ -4,6 +4,7 @@
 #include <map>
 
 #include "formats/extension_json.h"
+#include "runtime/passes/aperture/aperture.h"
 #include "runtime/passes/shade/shade_pass.h"
 
 namespace overcast {
@@ -40,9 +41,29 @@ Result<std::vector<std::uint32_t>> collectObjects(const fs::path& path, RuntimeS
 
 /// The vertices and indices of all meshes that objects use.
 struct Geometry {
+  bool withApertures = false;
   std::vector<float> vertices;
+  std::vector<std::uint64_t> apertures;
   std::vector<std::uint32_t> indices;
 };
+
+/// Apertures of all vertices of a mesh. The 4-byte packing has no ambient visibility: the cap's own stands in.
+void appendApertures(const Mesh& mesh, Geometry& geometry) {
+  const bool baked = mesh.visibility && !mesh.visibility->apertures.empty();
+  for (std::size_t i = 0; i < mesh.positions.size(); ++i) {
+    const glm::vec3 normal = mesh.normals.empty() ? glm::vec3(0.0f) : mesh.normals[i];
+    const bool none = normal == glm::vec3(0.0f);
+    if (!baked) {
+      geometry.apertures.push_back(packAperture64({none ? glm::vec3(0, 1, 0) : normal, shared::kApertureWidest}, 1.0f));
+      continue;
+    }
+    const Aperture& aperture = mesh.visibility->apertures[i];
+    const float ambient = mesh.visibility->ambient.empty()
+                              ? shared::capCosine(none ? aperture.direction : normal, aperture.direction, aperture.radius) / shared::kCapPi
+                              : mesh.visibility->ambient[i];
+    geometry.apertures.push_back(packAperture64(aperture, ambient));
+  }
+}
 
 void appendMesh(const Scene& scene, const Mesh& mesh, Geometry& geometry, SceneMesh& out) {
   out.centre = centre(bounds(mesh));
@@ -52,6 +73,7 @@ void appendMesh(const Scene& scene, const Mesh& mesh, Geometry& geometry, SceneM
     const glm::vec3 normal = mesh.normals.empty() ? glm::vec3(0.0f) : mesh.normals[i];
     geometry.vertices.insert(geometry.vertices.end(), {position.x, position.y, position.z, normal.x, normal.y, normal.z});
   }
+  if (geometry.withApertures) appendApertures(mesh, geometry);
   for (const MeshPart& part : mesh.parts) {
     GeometryDraw draw;
     draw.firstIndex = static_cast<std::uint32_t>(geometry.indices.size() + std::size_t{3} * part.firstTriangle);
@@ -73,6 +95,8 @@ Result<Done> uploadMeshes(const Device& device, const fs::path& path, RuntimeSce
   for (std::size_t i = 0; i < used.size(); ++i) {
     vertexBytes += used[i] ? scene.scene.meshes[i].positions.size() * shared::kVertexFloats * sizeof(float) : 0;
     triangles += used[i] ? scene.scene.meshes[i].triangles.size() : 0;
+    const std::optional<VertexVisibility>& visibility = scene.scene.meshes[i].visibility;
+    geometry.withApertures |= used[i] && visibility && !visibility->apertures.empty();
   }
   const std::uint64_t most = device.properties.limits.maxStorageBufferRange;
   if (vertexBytes > most || triangles > UINT32_MAX / 3)
@@ -82,7 +106,7 @@ Result<Done> uploadMeshes(const Device& device, const fs::path& path, RuntimeSce
   for (std::size_t i = 0; i < used.size(); ++i) {
     Mesh& mesh = scene.scene.meshes[i];
     if (used[i]) appendMesh(scene.scene, mesh, geometry, scene.meshes[i]);
-    mesh = Mesh{mesh.name, {}, {}, {}, {}};
+    mesh = Mesh{mesh.name, {}, {}, {}, {}, {}};
   }
   const Result<GpuBuffer> vertices =
       makeBufferWith(device, std::as_bytes(std::span(geometry.vertices)), VK_BUFFER_USAGE_STORAGE_BUFFER_BIT);
@@ -91,6 +115,11 @@ Result<Done> uploadMeshes(const Device& device, const fs::path& path, RuntimeSce
   const Result<GpuBuffer> indices = makeBufferWith(device, std::as_bytes(std::span(geometry.indices)), VK_BUFFER_USAGE_INDEX_BUFFER_BIT);
   if (!indices) return indices.error();
   scene.indices = indices.value();
+  if (!geometry.withApertures) return Done{};
+  const Result<GpuBuffer> apertures =
+      makeBufferWith(device, std::as_bytes(std::span(geometry.apertures)), VK_BUFFER_USAGE_STORAGE_BUFFER_BIT);
+  if (!apertures) return apertures.error();
+  scene.apertures = apertures.value();
   return Done{};
 }
 
@@ -102,6 +131,9 @@ Result<Done> fillScene(const Device& device, const fs::path& path, RuntimeScene&
   scene.lighting = scene.scene.lighting.value_or(Lighting{});
   const Result<SkyTaps> taps = skyTaps(scene.lighting.estimator, scene.lighting.globalVolume.resolution);
   if (!taps) return Error{path.string(), taps.error().place, taps.error().reason};
+  constexpr std::size_t kMostAreaLights = shared::kMaxApertureLights - 1;
+  if (const std::size_t lights = scene.lighting.areaLights.size(); lights > kMostAreaLights)
+    return Error{path.string(), "areaLights", fmt::format("{} area lights are more than {}", lights, kMostAreaLights)};
   scene.bounds = worldBounds(scene.scene);
   const Result<std::vector<std::uint32_t>> assetNodes = collectObjects(path, scene);
   if (!assetNodes) return assetNodes.error();
@@ -129,6 +161,7 @@ Result<RuntimeScene> loadScene(const Device& device, const std::filesystem::path
 void destroyScene(const Device& device, RuntimeScene& scene) {
   destroyBuffer(device, scene.vertices);
   destroyBuffer(device, scene.indices);
+  destroyBuffer(device, scene.apertures);
   scene = {};
 }
 

@@ -38,7 +38,14 @@ struct RuntimeScene {
   std::vector<SceneObject> objects;  ///< ordered by mesh, then by node
   GpuBuffer vertices;                ///< shared::kVertexFloats floats each
   GpuBuffer indices;                 ///< uint32
+  /// The 8-byte packing of formats/shared/aperture.h for each vertex; null where no mesh has apertures. Meshes without see the whole
+  /// hemisphere.
+  GpuBuffer apertures;
 };
+
+inline bool hasApertures(const RuntimeScene& scene) {
+  return scene.apertures.buffer != VK_NULL_HANDLE;
+}
 
 /// Reads a baked scene, its assets (content hashes checked) and puts its meshes on the device. Errors name the file: not a scene, a mesh
 /// node without an occluder (the scene was not baked: says to run overcast-bake), an asset that is missing, changed or broken, more

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <numbers>
 #include <regex>
 
@@ -68,6 +69,11 @@ void check(const PlayerOptions& options) {
   if (options.resolution && *options.resolution % 8 != 0) throw CLI::ValidationError("--resolution", "is not a multiple of 8");
 }
 
+const std::map<std::string, ApertureMode> kApertureModes{{"exact", ApertureMode::exact},
+                                                         {"smoothstep", ApertureMode::smoothstep},
+                                                         {"fast", ApertureMode::fast},
+                                                         {"accurate", ApertureMode::accurate}};
+
 constexpr const char* kFooter =
     "Exit codes: 0 done, 1 internal error (or validation messages), 2 usage, 3 unreadable scene, 4 cannot write, 5 no usable device.\n"
     "Without --camera the scene's own camera is taken, or one that shows the whole scene.\n"
@@ -115,6 +121,9 @@ ParsedOptions parseOptions(int argc, char** argv) {
           ->check(CLI::Range(32, 256));
   auto* tapsOption = app.add_option("--taps", taps, "taps of the sky estimator at 128 voxels (default: the scene's)")
                          ->check(CLI::Range(1, shared::kMaxTaps));
+  app.add_option("--aperture-mode", options.apertureMode,
+                 "how lights shine through apertures: exact, smoothstep (as published), fast or accurate (default)")
+      ->transform(CLI::CheckedTransformer(kApertureModes, CLI::ignore_case).description(""));
   app.add_option("--supersample", options.supersample, "samples per pixel along a side")->check(CLI::Range(1, 8))->capture_default_str();
   try {
     app.parse(argc, argv);

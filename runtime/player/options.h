@@ -9,6 +9,7 @@
 #include <glm/vec3.hpp>
 
 #include "formats/result.h"
+#include "runtime/passes/aperture/aperture_pass.h"
 
 namespace CLI {
 class App;
@@ -44,6 +45,7 @@ struct PlayerOptions {
   std::optional<int> resolution;
   std::optional<int> taps;
   int supersample = 2;
+  ApertureMode apertureMode = ApertureMode::accurate;
 };
 
 /// What the command line says, or the exit code when there is nothing to do any more (help was shown, or a usage error reported).

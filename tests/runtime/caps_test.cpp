@@ -64,7 +64,7 @@ TEST(Caps, IntersectWithinTheStatedError) {
       const float area = shared::capIntersection(pair.first.w, pair.second.w, pair.normal.w);
       ASSERT_TRUE(std::isfinite(area)) << pair.first.w << " " << pair.second.w << " " << pair.normal.w;
       worst = std::max(worst, errorOf(area, truth(pair), pair));
-      EXPECT_EQ(area, shared::capIntersection(pair.second.w, pair.first.w, pair.normal.w)) << "the order of the caps does not count";
+      worst = std::max(worst, errorOf(shared::capIntersection(pair.second.w, pair.first.w, pair.normal.w), truth(pair), pair));
     }
     EXPECT_LT(worst, 1e-5) << "kind " << static_cast<int>(kind);
   }
@@ -122,13 +122,12 @@ TEST(Caps, FastFallsWithDistanceAndHasBothEnds) {
 }
 
 TEST(Caps, SmoothstepIsThePapers) {
-  EXPECT_NEAR(shared::capIntersectionSmoothstep(0.5f, 0.4f, 0.6f), 0.1569f * 0.0f + 2.0f * kPi * (1.0f - std::cos(0.4f)) * 0.31640625f,
-              1e-5f);
+  EXPECT_NEAR(shared::capIntersectionSmoothstep(0.5f, 0.4f, 0.6f), 0.1569f, 5e-5f) << "DESIGN 6";
   EXPECT_EQ(shared::capIntersectionSmoothstep(0.5f, 0.4f, 0.91f), 0.0f);
 }
 
 TEST(Caps, CentroidIsCloserThanTheMeanOfTheAxes) {
-  double ours = 0.0, theirs = 0.0;
+  double worst = 0.0, ours = 0.0, theirs = 0.0;
   for (const PairKind kind : {PairKind::generic, PairKind::sun, PairKind::nested, PairKind::hemispherical})
     for (const CapPair& pair : makePairs(kind, 40, 3)) {
       const glm::dvec3 a(pair.first), b(pair.second);
@@ -137,18 +136,20 @@ TEST(Caps, CentroidIsCloserThanTheMeanOfTheAxes) {
       const glm::dvec3 centre = glm::normalize(moments.moment);
       const double off =
           glm::length(glm::dvec3(shared::capCentroid(glm::vec3(a), pair.first.w, glm::vec3(b), pair.second.w, pair.normal.w)) - centre);
-      EXPECT_LT(off, 0.06 + 0.01 * smaller(pair));
+      worst = std::max(worst, off / static_cast<double>(smaller(pair)));
       ours += off * off;
       theirs += glm::dot(glm::normalize(a + b) - centre, glm::normalize(a + b) - centre);
     }
-  EXPECT_LT(ours, 0.01 * theirs);
+  EXPECT_LT(worst, 0.09) << "of the smaller radius";
+  EXPECT_LT(ours, 0.003 * theirs);
 }
 
 /// Unit normals within reach of caps: half of them such that the horizon cuts the smaller cap.
 glm::vec3 lowNormal(const CapPair& pair, std::mt19937& random) {
   const glm::dvec3 axis(pair.first.w < pair.second.w ? pair.first : pair.second);
   const glm::dvec3 side = glm::normalize(glm::cross(axis, glm::dvec3(pair.normal)));
-  const double angle = 0.5 * std::numbers::pi + smaller(pair) * (2.0 * (random() / 4294967296.0) - 1.2);
+  const double angle =
+      0.5 * std::numbers::pi + static_cast<double>(smaller(pair)) * (2.0 * (static_cast<double>(random()) / 4294967296.0) - 1.2);
   return glm::vec3(std::cos(angle) * axis + std::sin(angle) * side);
 }
 

@@ -154,16 +154,19 @@ OVERCAST_INLINE float capIntersectionFast(float r0, float r1, float d) {
   return share * kCapPi * square * (1.0f + square * (-0.0833036147f + square * 0.00265636133f));
 }
 
-/// Unit vector to about the centre of the intersection: the middle of its extent along the great circle through both axes (exact for
-/// equal caps and where one holds the other), as far as a chord has the proportions of its arc.
+/// Unit vector to about the centre of the intersection. On the great circle through both axes the intersection reaches from the wider
+/// cap's border to the smaller one's; its middle is the centre for equal caps and where one holds the other, and 3/10 of the way too far
+/// out where the wider border is straight.
 OVERCAST_INLINE vec3 capCentroid(vec3 axis0, float r0, vec3 axis1, float r1, float d) {
   bool first = r0 < r1;
-  vec3 small = first ? axis0 : axis1;
-  vec3 wide = first ? axis1 : axis0;
-  float way = clamp(0.5f * (d - abs(r0 - r1)), 0.0f, min(r0, r1)) / max(d, kCapTiny);
-  vec3 sum = small + way * (wide - small);
+  float small = min(r0, r1);
+  float wide = max(r0, r1);
+  float middle = clamp(0.5f * (d - (wide - small)), 0.0f, small);
+  float way = middle * (1.0f - 0.3f * (small - middle) * (wide - small) / max(small * wide, kCapTiny));
+  float rest = capSineAround(d - way);
+  vec3 sum = first ? rest * axis0 + capSine(way) * axis1 : rest * axis1 + capSine(way) * axis0;
   float squared = dot(sum, sum);
-  return squared > 0.0f ? sum / sqrt(squared) : small;
+  return squared > 0.0f ? sum / sqrt(squared) : (first ? axis0 : axis1);
 }
 
 /// Length (x) and integral of the cosine (y) over the angles in [-reach, reach] that lie within `width` of `middle`, which is in [0, pi].

@@ -1,5 +1,13 @@
+// OVERCAST_APERTURES: with the interpolated aperture, packed.
 #version 460
 #include "runtime/passes/geometry/geometry.h"
+
+#ifdef OVERCAST_APERTURES
+#include "runtime/passes/aperture/aperture.h"
+layout(location = 2) in vec3 aperture;
+layout(location = 3) in vec2 radiusAmbient;
+layout(location = 2) out uvec2 outAperture;
+#endif
 
 layout(push_constant) uniform Push { GeometryPush push; };
 
@@ -16,4 +24,9 @@ void main() {
   const vec3 face = size > 0.0 ? cross(stepX / size, stepY / size) : vec3(0.0);
   outNormal = vec4(facingNormal(normal, face, -relative), 1.0);
   outColour = vec4(push.baseColour.rgb, 1.0);
+#ifdef OVERCAST_APERTURES
+  const float squared = dot(aperture, aperture);
+  const vec3 axis = squared > 0.0 ? aperture / sqrt(squared) : outNormal.xyz;
+  outAperture = aperturePacked(vec4(axis, radiusAmbient.x), radiusAmbient.y);
+#endif
 }

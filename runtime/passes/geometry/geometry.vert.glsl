@@ -1,8 +1,15 @@
+// OVERCAST_APERTURES: with each vertex's aperture (8-byte packing, local space), turned into the world.
 #version 460
 #include "runtime/passes/geometry/geometry.h"
 
 layout(binding = 0, std430) readonly buffer Vertices { float vertices[]; };
 layout(binding = 1, std430) readonly buffer Instances { GeometryInstance instances[]; };
+#ifdef OVERCAST_APERTURES
+#include "formats/shared/aperture.h"
+layout(binding = 2, std430) readonly buffer Apertures { uvec2 apertures[]; };
+layout(location = 2) out vec3 aperture;
+layout(location = 3) out vec2 radiusAmbient;
+#endif
 layout(push_constant) uniform Push { GeometryPush push; };
 
 layout(location = 0) out vec3 relative;
@@ -15,5 +22,11 @@ void main() {
   const GeometryInstance instance = instances[gl_InstanceIndex];
   relative = vec3(dot(instance.rowX, local), dot(instance.rowY, local), dot(instance.rowZ, local));
   normal = vec3(dot(instance.normalX.xyz, localNormal), dot(instance.normalY.xyz, localNormal), dot(instance.normalZ.xyz, localNormal));
+#ifdef OVERCAST_APERTURES
+  const uvec2 code = apertures[gl_VertexIndex];
+  const vec4 cap = apertureFromWords(code.x, code.y);
+  aperture = normalize(vec3(dot(instance.rowX.xyz, cap.xyz), dot(instance.rowY.xyz, cap.xyz), dot(instance.rowZ.xyz, cap.xyz)));
+  radiusAmbient = vec2(cap.w, ambientFromWord(code.y));
+#endif
   gl_Position = push.clipFromRelative * vec4(relative, 1.0);
 }

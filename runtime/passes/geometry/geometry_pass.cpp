@@ -1,9 +1,10 @@
 #include "runtime/passes/geometry/geometry_pass.h"
 
 #include <algorithm>
-#include <array>
 #include <cstddef>
 #include <cstring>
+#include <utility>
+#include <vector>
 
 #include <glm/mat3x3.hpp>
 
@@ -19,6 +20,7 @@ static_assert(sizeof(GeometryPush) == 80 && offsetof(GeometryPush, baseColour) =
 constexpr VkFormat kDepthFormat = VK_FORMAT_D32_SFLOAT;
 constexpr VkFormat kNormalFormat = VK_FORMAT_R16G16B16A16_SFLOAT;
 constexpr VkFormat kColourFormat = VK_FORMAT_R8G8B8A8_SRGB;
+constexpr VkFormat kApertureFormat = VK_FORMAT_R32G32_UINT;
 
 Result<GpuImage> makeTarget(const Device& device, VkExtent2D size, VkFormat format, VkImageUsageFlags usage) {
   ImageSettings settings;
@@ -48,7 +50,9 @@ VkRenderingAttachmentInfo attachment(const GpuImage& image, VkImageLayout layout
 }
 
 void beginRendering(VkCommandBuffer commands, const GeometryImages& images) {
-  const std::array colours{attachment(images.normal, kColourWrite.layout), attachment(images.colour, kColourWrite.layout)};
+  std::vector<VkRenderingAttachmentInfo> colours{attachment(images.normal, kColourWrite.layout),
+                                                 attachment(images.colour, kColourWrite.layout)};
+  if (images.aperture.image) colours.push_back(attachment(images.aperture, kColourWrite.layout));
   const VkRenderingAttachmentInfo depth = attachment(images.depth, kDepthWrite.layout);
   const VkExtent2D size{images.depth.extent.width, images.depth.extent.height};
   VkRenderingInfo info{VK_STRUCTURE_TYPE_RENDERING_INFO};
@@ -63,6 +67,21 @@ void beginRendering(VkCommandBuffer commands, const GeometryImages& images) {
   vkCmdSetScissor(commands, 0, 1, &info.renderArea);
 }
 
+GraphicsSettings settingsOf(bool apertures) {
+  GraphicsSettings settings;
+  settings.vertex = {"runtime/passes/geometry/geometry.vert.glsl", {}};
+  settings.fragment = {"runtime/passes/geometry/geometry.frag.glsl", {}};
+  settings.bindings = {{0, VK_DESCRIPTOR_TYPE_STORAGE_BUFFER}, {1, VK_DESCRIPTOR_TYPE_STORAGE_BUFFER}};
+  settings.pushBytes = sizeof(GeometryPush);
+  settings.colours = {kNormalFormat, kColourFormat};
+  settings.depth = kDepthFormat;
+  if (!apertures) return settings;
+  for (Shader* shader : {&settings.vertex, &settings.fragment}) shader->defines.push_back({"OVERCAST_APERTURES", "1"});
+  settings.bindings.push_back({2, VK_DESCRIPTOR_TYPE_STORAGE_BUFFER});
+  settings.colours.push_back(kApertureFormat);
+  return settings;
+}
+
 /// What read or wrote the images in the frame before must be over before they are written again.
 constexpr Access kEarlierFrame{
     VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT | VK_PIPELINE_STAGE_2_FRAGMENT_SHADER_BIT | VK_PIPELINE_STAGE_2_ALL_TRANSFER_BIT,
@@ -70,10 +89,11 @@ constexpr Access kEarlierFrame{
 
 }  // namespace
 
-Result<GeometryImages> makeGeometryImages(const Device& device, VkExtent2D size) {
+Result<GeometryImages> makeGeometryImages(const Device& device, VkExtent2D size, bool apertures) {
   GeometryImages images;
-  const std::array<std::pair<GpuImage*, VkFormat>, 3> targets{
-      {{&images.depth, kDepthFormat}, {&images.normal, kNormalFormat}, {&images.colour, kColourFormat}}};
+  std::vector<std::pair<GpuImage*, VkFormat>> targets{
+      {&images.depth, kDepthFormat}, {&images.normal, kNormalFormat}, {&images.colour, kColourFormat}};
+  if (apertures) targets.emplace_back(&images.aperture, kApertureFormat);
   for (const auto& [image, format] : targets) {
     const VkImageUsageFlags usage =
         format == kDepthFormat ? VK_IMAGE_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT : VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT;
@@ -91,16 +111,12 @@ void destroyGeometryImages(const Device& device, GeometryImages& images) {
   destroyImage(device, images.depth);
   destroyImage(device, images.normal);
   destroyImage(device, images.colour);
+  destroyImage(device, images.aperture);
 }
 
-Result<GeometryPass> makeGeometryPass(const Device& device, const GpuBuffer& vertices, const GpuBuffer& indices, std::uint32_t capacity) {
-  GraphicsSettings settings;
-  settings.vertex = {"runtime/passes/geometry/geometry.vert.glsl", {}};
-  settings.fragment = {"runtime/passes/geometry/geometry.frag.glsl", {}};
-  settings.bindings = {{0, VK_DESCRIPTOR_TYPE_STORAGE_BUFFER}, {1, VK_DESCRIPTOR_TYPE_STORAGE_BUFFER}};
-  settings.pushBytes = sizeof(GeometryPush);
-  settings.colours = {kNormalFormat, kColourFormat};
-  settings.depth = kDepthFormat;
+Result<GeometryPass> makeGeometryPass(const Device& device, const GpuBuffer& vertices, const GpuBuffer& indices, std::uint32_t capacity,
+                                      const GpuBuffer& apertures) {
+  const GraphicsSettings settings = settingsOf(apertures.buffer != VK_NULL_HANDLE);
   GeometryPass pass;
   pass.indices = indices.buffer;
   pass.capacity = std::max(capacity, 1u);
@@ -120,6 +136,7 @@ Result<GeometryPass> makeGeometryPass(const Device& device, const GpuBuffer& ver
   pass.instances = instances.value();
   writeBuffer(device, pass.set, 0, vertices);
   writeBuffer(device, pass.set, 1, pass.instances);
+  if (apertures.buffer) writeBuffer(device, pass.set, 2, apertures);
   return pass;
 }
 
@@ -151,6 +168,7 @@ void recordGeometry(VkCommandBuffer commands, GeometryPass& pass, const Geometry
   if (!instances.empty()) std::memcpy(pass.instances.mapped, instances.data(), instances.size_bytes());
   transition(commands, images.normal, kEarlierFrame, kColourWrite);
   transition(commands, images.colour, kEarlierFrame, kColourWrite);
+  if (images.aperture.image) transition(commands, images.aperture, kEarlierFrame, kColourWrite);
   transition(commands, images.depth, kEarlierFrame, kDepthWrite);
   beginRendering(commands, images);
   bind(commands, pass.pipeline, pass.set);
@@ -162,6 +180,7 @@ void recordGeometry(VkCommandBuffer commands, GeometryPass& pass, const Geometry
   vkCmdEndRendering(commands);
   transition(commands, images.normal, kColourWrite, kShaderSample);
   transition(commands, images.colour, kColourWrite, kShaderSample);
+  if (images.aperture.image) transition(commands, images.aperture, kColourWrite, kShaderSample);
   transition(commands, images.depth, kDepthWrite, kShaderSample);
 }
 

@@ -14,15 +14,18 @@
 
 namespace overcast {
 
-/// What the geometry pass writes and the passes after it read; all three sampled in layout SHADER_READ_ONLY_OPTIMAL after
+/// What the geometry pass writes and the passes after it read; all sampled in layout SHADER_READ_ONLY_OPTIMAL after
 /// recordGeometry.
 struct GeometryImages {
   GpuImage depth;   ///< D32: reversed and infinite: near plane / distance along the view axis; 0 where there is no surface
   GpuImage normal;  ///< RGBA16F: xyz unit world-space normal towards the viewer; w 1 on surfaces, else 0
   GpuImage colour;  ///< RGBA8 sRGB (linear when sampled): base colour; a 1 on surfaces
+  /// RG32UI: the interpolated aperture in world space and its ambient visibility, in the 8-byte packing of formats/shared/aperture.h; 0
+  /// where there is no surface. Null in scenes without apertures.
+  GpuImage aperture;
 };
 
-Result<GeometryImages> makeGeometryImages(const Device& device, VkExtent2D size);
+Result<GeometryImages> makeGeometryImages(const Device& device, VkExtent2D size, bool apertures = false);
 void destroyGeometryImages(const Device& device, GeometryImages& images);
 
 /// A run of indices drawn for a run of instances.
@@ -43,8 +46,11 @@ struct GeometryPass {
   std::uint32_t capacity = 0;
 };
 
-/// Draws from `vertices` (shared::kVertexFloats floats each) and `indices` (uint32), which must outlive the pass.
-Result<GeometryPass> makeGeometryPass(const Device& device, const GpuBuffer& vertices, const GpuBuffer& indices, std::uint32_t capacity);
+/// Draws from `vertices` (shared::kVertexFloats floats each) and `indices` (uint32), which must outlive the pass, as must `apertures` (an
+/// uvec2 for each vertex, the 8-byte packing of formats/shared/aperture.h). Without those (a null buffer) images without apertures are
+/// drawn, and nothing is spent on them.
+Result<GeometryPass> makeGeometryPass(const Device& device, const GpuBuffer& vertices, const GpuBuffer& indices, std::uint32_t capacity,
+                                      const GpuBuffer& apertures = {});
 void destroyGeometryPass(const Device& device, GeometryPass& pass);
 
 /// The record of a mesh placed by `worldFromLocal` (affine, any determinant, singular ones too) and seen from `eye`, both in world space.

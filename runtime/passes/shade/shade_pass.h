@@ -31,6 +31,11 @@ struct SkyTaps {
 /// above 128 adds a tap and each halving leaves one out (rounded, 1 to 8). An Error names an estimator we do not have.
 Result<SkyTaps> skyTaps(const Estimator& estimator, int resolution);
 
+/// How the light image may be used after recordShade.
+inline constexpr Access kLightReady{
+    VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT | VK_PIPELINE_STAGE_2_FRAGMENT_SHADER_BIT | VK_PIPELINE_STAGE_2_ALL_TRANSFER_BIT,
+    VK_ACCESS_2_SHADER_SAMPLED_READ_BIT | VK_ACCESS_2_TRANSFER_READ_BIT, VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL};
+
 struct ShadePass {
   /// RGBA16F: rgb linear light, a sky visibility in [0, 1], or rgb 0 and a shared::kNoSurface where there is no surface. In layout
   /// SHADER_READ_ONLY_OPTIMAL after recordShade.

@@ -1,0 +1,95 @@
+// Aperture: light of the sun, of spherical lights and of the sky through a surface's cap of visibility (Oat and Sander 2006, section 8.4;
+// DESIGN 5.5). Read by C++ and GLSL; caps.h has the geometry.
+//
+// A pixel's aperture is the cap of directions in which its own object leaves the sky free. A light is a cap too. Of what both have in
+// common the surface gets radiance times cosine; what no light covers is filled with sky.
+#ifndef RUNTIME_PASSES_APERTURE_APERTURE_H
+#define RUNTIME_PASSES_APERTURE_APERTURE_H
+
+#include "formats/shared/aperture.h"
+#include "runtime/passes/aperture/caps.h"
+
+OVERCAST_SHARED_BEGIN
+
+const int kMaxApertureLights = 17;  ///< the sun and 16 spherical lights
+
+/// How light and aperture are intersected (FrameSettings::apertureMode).
+const int kApertureExact = 0;       ///< exact area, cosine at the estimated centroid
+const int kApertureSmoothstep = 1;  ///< as published: smoothstep, cosine at the mean of both axes
+const int kApertureFast = 2;        ///< our approximation of the area, cosine at the estimated centroid
+const int kApertureAccurate = 3;    ///< the integral of the cosine over the intersection
+
+/// One light as the pass sees it.
+struct ApertureLight {
+  vec4 place;     //  0: xyz: centre relative to the eye, w: radius; of the sun: unit direction to it, w: angular radius
+  vec4 radiance;  // 16: rgb: linear; w: 1: the sun, 0: a sphere
+};
+
+struct AperturePush {
+  mat4 relativeFromClip;  //  0: positions relative to the eye from clip space, before the division by w
+  vec4 sky;               // 64: rgb: linear radiance of the sky
+  ivec4 lights;           // 80: x: how many
+};
+
+/// What a surface receives of one light.
+struct ApertureShare {
+  float area;    ///< solid angle of the light that is seen
+  float cosine;  ///< its integral of the cosine to the normal
+};
+
+/// Cap of a light as seen from a point relative to the eye: xyz axis, w radius. From within a sphere it is the hemisphere towards its
+/// centre; a point at the centre takes `normal` for that.
+OVERCAST_INLINE vec4 lightCap(ApertureLight light, vec3 point, vec3 normal) {
+  if (light.radiance.w > 0.0f) return light.place;
+  vec3 way = vec3(light.place) - point;
+  float squared = dot(way, way);
+  float radius = light.place.w;
+  vec3 axis = squared > kCapTiny ? way / sqrt(squared) : normal;
+  return vec4(axis, capAngle(radius, sqrt(max(squared - radius * radius, 0.0f))));
+}
+
+/// What comes through `aperture` (xyz axis, w radius) of the cap `light`.
+OVERCAST_INLINE ApertureShare apertureShare(int mode, vec3 normal, vec4 aperture, vec4 light) {
+  vec3 axis = vec3(aperture);
+  vec3 way = vec3(light);
+  float d = capDistance(axis, way);
+  ApertureShare share;
+  if (mode == kApertureSmoothstep) {
+    vec3 sum = axis + way;
+    share.area = capIntersectionSmoothstep(aperture.w, light.w, d);
+    share.cosine = share.area * max(dot(normal, sum) / max(length(sum), kCapTiny), 0.0f);
+    return share;
+  }
+  share.area = mode == kApertureFast ? capIntersectionFast(aperture.w, light.w, d) : capIntersection(aperture.w, light.w, d);
+  if (mode == kApertureAccurate) {
+    share.cosine = capIntersectionCosine(normal, axis, aperture.w, way, light.w, d, share.area);
+  } else {
+    share.cosine = share.area * max(dot(normal, capCentroid(axis, aperture.w, way, light.w, d)), 0.0f);
+  }
+  return share;
+}
+
+/// Share of an aperture that lights which cover `covered` of it (a solid angle) leave to the sky.
+OVERCAST_INLINE float skyShare(float radius, float covered) {
+  float whole = capArea(radius);
+  return whole > 0.0f ? clamp(1.0f - covered / whole, 0.0f, 1.0f) : 1.0f;
+}
+
+/// The 8-byte packing of formats/shared/aperture.h of an aperture (xyz unit axis, w radius) and its ambient visibility. Rounds each
+/// coordinate by itself: between passes the nearest of all codes is not worth its search.
+OVERCAST_INLINE uvec2 aperturePacked(vec4 aperture, float ambient) {
+  vec3 size = abs(vec3(aperture));
+  vec2 point = vec2(aperture.x, aperture.y) / (size.x + size.y + size.z);
+  if (aperture.z < 0.0f) {
+    vec2 folded = vec2(1.0f) - abs(vec2(point.y, point.x));
+    point = vec2(point.x < 0.0f ? -folded.x : folded.x, point.y < 0.0f ? -folded.y : folded.y);
+  }
+  uvec2 coordinates = uvec2(clamp((point + 1.0f) * 32767.0f + 0.5f, 0.0f, 65534.0f));
+  vec2 shares = clamp(vec2(aperture.w / kApertureWidest, ambient), 0.0f, 1.0f);
+  uvec2 codes = uvec2(shares * 65535.0f + 0.5f);
+  return uvec2(coordinates.x | (coordinates.y << 16), codes.x | (codes.y << 16));
+}
+
+OVERCAST_SHARED_END
+
+#endif

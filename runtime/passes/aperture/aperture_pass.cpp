@@ -1,0 +1,115 @@
+#include "runtime/passes/aperture/aperture_pass.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <cstring>
+#include <numbers>
+
+#include <fmt/format.h>
+#include <glm/geometric.hpp>
+#include <glm/matrix.hpp>
+
+#include "runtime/passes/shade/shade_pass.h"
+
+namespace overcast {
+
+using shared::ApertureLight;
+using shared::AperturePush;
+
+static_assert(sizeof(ApertureLight) == 32 && offsetof(ApertureLight, radiance) == 16);
+static_assert(sizeof(AperturePush) == 96 && offsetof(AperturePush, sky) == 64 && offsetof(AperturePush, lights) == 80);
+static_assert(static_cast<int>(ApertureMode::exact) == shared::kApertureExact &&
+              static_cast<int>(ApertureMode::smoothstep) == shared::kApertureSmoothstep &&
+              static_cast<int>(ApertureMode::fast) == shared::kApertureFast &&
+              static_cast<int>(ApertureMode::accurate) == shared::kApertureAccurate);
+
+namespace {
+
+/// Suns smaller than this are made as large, with the same light: what a single float keeps of the distance to them.
+constexpr double kSmallestSun = 1e-4;
+
+bool shines(const glm::vec3& colour) {
+  return std::max({colour.x, colour.y, colour.z}) > 0.0f;
+}
+
+Result<Done> fill(const Device& device, const GeometryImages& images, ApertureMode mode, AperturePass& pass) {
+  const Result<VkSampler> nearest = makeSampler(device, VK_FILTER_NEAREST);
+  if (!nearest) return nearest.error();
+  pass.nearest = nearest.value();
+  const Result<GpuBuffer> lights =
+      makeBuffer(device, shared::kMaxApertureLights * sizeof(ApertureLight), VK_BUFFER_USAGE_STORAGE_BUFFER_BIT, MemoryUse::upload);
+  if (!lights) return lights.error();
+  pass.lights = lights.value();
+  const Shader shader{"runtime/passes/aperture/aperture.comp.glsl",
+                      {{"OVERCAST_APERTURE_MODE", fmt::format("{}", static_cast<int>(mode))}}};
+  std::vector<Binding> bindings;
+  for (std::uint32_t i = 0; i < 4; ++i) bindings.push_back({i, VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER});
+  bindings.push_back({4, VK_DESCRIPTOR_TYPE_STORAGE_IMAGE});
+  bindings.push_back({5, VK_DESCRIPTOR_TYPE_STORAGE_BUFFER});
+  Result<Pipeline> pipeline = makeComputePipeline(device, {shader, bindings, sizeof(AperturePush)});
+  if (!pipeline) return pipeline.error();
+  pass.pipeline = std::move(pipeline).value();
+  Result<DescriptorSet> set = makeDescriptorSet(device, pass.pipeline);
+  if (!set) return set.error();
+  pass.set = std::move(set).value();
+  writeSampledImage(device, pass.set, 0, images.depth.view, pass.nearest);
+  writeSampledImage(device, pass.set, 1, images.normal.view, pass.nearest);
+  writeSampledImage(device, pass.set, 2, images.colour.view, pass.nearest);
+  writeSampledImage(device, pass.set, 3, images.aperture.view, pass.nearest);
+  writeStorageImage(device, pass.set, 4, pass.light.mipViews[0]);
+  writeBuffer(device, pass.set, 5, pass.lights);
+  return Done{};
+}
+
+}  // namespace
+
+Result<AperturePass> makeAperturePass(const Device& device, const GeometryImages& images, const GpuImage& light, ApertureMode mode) {
+  OVERCAST_REQUIRE(images.aperture.image != VK_NULL_HANDLE, "the geometry images have no apertures");
+  AperturePass pass;
+  pass.light = light;
+  const Result<Done> filled = fill(device, images, mode, pass);
+  if (filled) return pass;
+  destroyAperturePass(device, pass);
+  return filled.error();
+}
+
+void destroyAperturePass(const Device& device, AperturePass& pass) {
+  destroyDescriptorSet(device, pass.set);
+  destroyPipeline(device, pass.pipeline);
+  destroyBuffer(device, pass.lights);
+  if (pass.nearest) vkDestroySampler(device.device, pass.nearest, nullptr);
+  pass = {};
+}
+
+std::vector<ApertureLight> apertureLights(const Lighting& lighting, const glm::dvec3& eye) {
+  std::vector<ApertureLight> lights;
+  if (lighting.sun && shines(lighting.sun->colour)) {
+    const double radius = std::clamp(static_cast<double>(lighting.sun->angularRadius), kSmallestSun, 1.5);
+    const double half = std::sin(0.5 * radius);
+    const glm::dvec3 radiance = glm::dvec3(lighting.sun->colour) / (4.0 * std::numbers::pi * half * half);
+    lights.push_back({glm::vec4(glm::normalize(lighting.sun->direction), radius), glm::vec4(radiance, 1.0)});
+  }
+  for (const AreaLight& light : lighting.areaLights) {
+    if (lights.size() == shared::kMaxApertureLights) break;
+    if (!shines(light.colour) || light.radius <= 0.0f) continue;
+    lights.push_back({glm::vec4(glm::dvec3(light.position) - eye, light.radius), glm::vec4(light.colour, 0.0f)});
+  }
+  return lights;
+}
+
+void recordAperture(VkCommandBuffer commands, AperturePass& pass, const std::vector<ApertureLight>& lights, const ApertureView& view) {
+  OVERCAST_REQUIRE(lights.size() <= shared::kMaxApertureLights, "{} lights, room for {}", lights.size(), shared::kMaxApertureLights);
+  if (!lights.empty()) std::memcpy(pass.lights.mapped, lights.data(), lights.size() * sizeof(ApertureLight));
+  AperturePush constants;
+  constants.relativeFromClip = glm::mat4(glm::inverse(view.clipFromRelative));
+  constants.sky = glm::vec4(view.skyColour, 0.0f);
+  constants.lights = glm::ivec4(static_cast<int>(lights.size()), 0, 0, 0);
+  transition(commands, pass.light, kLightReady, kComputeReadWrite);
+  bind(commands, pass.pipeline, pass.set);
+  push(commands, pass.pipeline, constants);
+  vkCmdDispatch(commands, groups(pass.light.extent.width, 8), groups(pass.light.extent.height, 8), 1);
+  transition(commands, pass.light, kComputeReadWrite, kLightReady);
+}
+
+}  // namespace overcast

@@ -1,0 +1,48 @@
+// The aperture pass: light of a scene with apertures, over what the shade pass made of its pixels (aperture.h has the formulas).
+#pragma once
+
+#include <vector>
+
+#include <glm/mat4x4.hpp>
+#include <glm/vec3.hpp>
+
+#include "formats/lighting.h"
+#include "runtime/passes/aperture/aperture.h"
+#include "runtime/passes/geometry/geometry_pass.h"
+#include "runtime/vulkan/device.h"
+#include "runtime/vulkan/pipeline.h"
+#include "runtime/vulkan/resources.h"
+
+namespace overcast {
+
+/// How lights and apertures are intersected; aperture.h says what each does. In the order of shared::kAperture....
+enum class ApertureMode { exact, smoothstep, fast, accurate };
+
+struct AperturePass {
+  Pipeline pipeline;
+  DescriptorSet set;
+  VkSampler nearest = VK_NULL_HANDLE;
+  GpuBuffer lights;  ///< shared::ApertureLight[shared::kMaxApertureLights], mapped
+  GpuImage light;    ///< ShadePass::light; not owned
+};
+
+/// A pass that reads `images` (made with apertures) and rewrites `light` (ShadePass::light), which must outlive it.
+Result<AperturePass> makeAperturePass(const Device& device, const GeometryImages& images, const GpuImage& light, ApertureMode mode);
+void destroyAperturePass(const Device& device, AperturePass& pass);
+
+/// The lights of a scene as the pass takes them, seen from `eye`: the sun first, then the spheres. Those without colour or size give no
+/// light and are left out; at most shared::kMaxApertureLights are returned.
+std::vector<shared::ApertureLight> apertureLights(const Lighting& lighting, const glm::dvec3& eye);
+
+/// What the frame's camera and sky are.
+struct ApertureView {
+  glm::dmat4 clipFromRelative{1.0};  ///< as the geometry pass had it
+  glm::vec3 skyColour{1.0f};         ///< Lighting::skyColour
+};
+
+/// Records the pass; outside of rendering, after recordGeometry and recordShade. Afterwards the light image is as recordShade leaves it:
+/// rgb linear light of sun, spheres and sky, a the sky's visibility. The device must not be reading the lights of an earlier frame.
+void recordAperture(VkCommandBuffer commands, AperturePass& pass, const std::vector<shared::ApertureLight>& lights,
+                    const ApertureView& view);
+
+}  // namespace overcast

@@ -1,0 +1,273 @@
+// The aperture pass: what pixels receive against counted directions, on the device and through a whole frame; and that it costs nothing
+// where there are no apertures.
+#include "runtime/passes/aperture/aperture_pass.h"
+
+#include <array>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <random>
+
+#include <glm/geometric.hpp>
+
+#include "formats/aperture.h"
+#include "tests/reference/caps.h"
+#include "tests/runtime/baked_scene.h"
+#include "tests/runtime/frames.h"
+
+namespace overcast::test {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::array kModes{ApertureMode::exact, ApertureMode::smoothstep, ApertureMode::fast, ApertureMode::accurate};
+constexpr double kPi = std::numbers::pi;
+
+glm::vec3 tilted(double angle, double azimuth) {
+  return {std::sin(angle) * std::cos(azimuth), std::cos(angle), std::sin(angle) * std::sin(azimuth)};
+}
+
+/// A square of side 4 in the plane y = 0, every vertex with the same aperture.
+Mesh square(const Aperture& aperture, float ambient) {
+  Mesh mesh;
+  mesh.name = "square";
+  mesh.positions = {{-2, 0, -2}, {-2, 0, 2}, {2, 0, 2}, {2, 0, -2}};
+  mesh.normals.assign(4, {0, 1, 0});
+  mesh.triangles = {{0, 1, 2}, {0, 2, 3}};
+  mesh.parts = {{0, 2, 0}};
+  mesh.visibility = VertexVisibility{ApertureBits::packed64, std::vector<Aperture>(4, aperture), std::vector<float>(4, ambient), {}};
+  return mesh;
+}
+
+/// The floor of bakedScene alone, seen as `mesh`.
+Scene floorScene(const fs::path& folder, Mesh mesh) {
+  Scene scene = bakedScene(folder, {});
+  scene.meshes = {std::move(mesh)};
+  scene.nodes.resize(1);
+  scene.nodes[0].translation = {0.0, 0.0, 0.0};
+  scene.lighting->areaLights = {{{0.7f, 1.5f, -0.4f}, 0.5f, {3.0f, 2.0f, 1.0f}}, {{-2.5f, 0.2f, 0.3f}, 0.6f, {0.5f, 1.0f, 4.0f}}};
+  scene.lighting->sun = Sun{glm::normalize(glm::vec3(-0.3f, 1.0f, 0.6f)), {1.5f, 1.4f, 1.2f}, 0.05f};
+  return scene;
+}
+
+View fromAbove() {
+  return lookAt({0.3, 5.0, 1.0}, {0.0, 0.0, 0.0}, {0, 1, 0}, 0.7);
+}
+
+TEST(ApertureLights, AreTheSunsLightAndSpheresSeenFromTheEye) {
+  Lighting lighting;
+  EXPECT_TRUE(apertureLights(lighting, {0, 0, 0}).empty());
+  lighting.sun = Sun{{0.0f, 2.0f, 0.0f}, {3.0f, 2.0f, 1.0f}, 0.00465f};
+  lighting.areaLights = {{{1e6f, 2.0f, 3.0f}, 0.5f, {1, 1, 1}}, {{0, 0, 0}, 0.5f, {0, 0, 0}}, {{0, 0, 0}, 0.0f, {1, 1, 1}}};
+  const std::vector<shared::ApertureLight> lights = apertureLights(lighting, {1e6, 0.0, 1.0});
+  ASSERT_EQ(lights.size(), 2u) << "those without colour or size are left out";
+  EXPECT_EQ(lights[0].place, glm::vec4(0.0f, 1.0f, 0.0f, 0.00465f));
+  EXPECT_NEAR(lights[0].radiance.x * static_cast<float>(reference::capArea(0.00465L)), 3.0f, 1e-5f);
+  EXPECT_EQ(lights[1].place, glm::vec4(0.0f, 2.0f, 2.0f, 0.5f));
+  lighting.sun->angularRadius = 0.0f;
+  EXPECT_TRUE(std::isfinite(apertureLights(lighting, {0, 0, 0})[0].radiance.x)) << "a sun without size still shines";
+}
+
+TEST(ApertureFormulas, SpheresAreCaps) {
+  const shared::ApertureLight light{{0, 3, 0, 1.0f}, {1, 1, 1, 0}};
+  const glm::vec3 normal(0, 0, 1);
+  EXPECT_NEAR(shared::lightCap(light, {0, 1, 0}, normal).w, std::asin(0.5f), 1e-6f);
+  EXPECT_NEAR(shared::lightCap(light, {0, 1, 0}, normal).y, 1.0f, 1e-6f);
+  EXPECT_NEAR(shared::lightCap(light, {0, -9996, 0}, normal).w, 1.0f / 9999.0f, 1e-10f) << "far lights keep their size";
+  EXPECT_EQ(shared::lightCap(light, {0, 2.5f, 0}, normal).w, shared::kCapRightAngle) << "from within";
+  EXPECT_EQ(glm::vec3(shared::lightCap(light, {0, 3, 0}, normal)), normal) << "from the centre";
+}
+
+TEST(ApertureFormulas, PackingAgreesWithTheFormats) {
+  std::mt19937 random(3);
+  const auto uniform = [&](double low, double high) { return low + (high - low) * (static_cast<double>(random()) / 4294967296.0); };
+  double worst = 0.0;
+  for (int i = 0; i < 4000; ++i) {
+    glm::vec3 axis(tilted(uniform(0.0, kPi), uniform(-kPi, kPi)));
+    if (i < 6) axis = glm::vec3(i / 2 == 0, i / 2 == 1, i / 2 == 2) * (i % 2 ? -1.0f : 1.0f);
+    const float radius = static_cast<float>(uniform(0.0, 0.5 * kPi)), ambient = static_cast<float>(uniform(0.0, 1.0));
+    const glm::uvec2 code = shared::aperturePacked({axis, radius}, ambient);
+    const Aperture back = unpackAperture64(code.x | static_cast<std::uint64_t>(code.y) << 32);
+    worst = std::max(worst, static_cast<double>(glm::distance(back.direction, axis)));
+    EXPECT_NEAR(back.radius, radius, 1.3e-5f);
+    EXPECT_NEAR(shared::ambientFromWord(code.y), ambient, 8e-6f);
+  }
+  EXPECT_LT(worst, 1e-4);
+}
+
+TEST(ApertureFormulas, SkyFillsWhatLightsLeave) {
+  EXPECT_EQ(shared::skyShare(1.0f, 0.0f), 1.0f);
+  EXPECT_NEAR(shared::skyShare(1.0f, 0.25f * shared::capArea(1.0f)), 0.75f, 1e-6f);
+  EXPECT_EQ(shared::skyShare(1.0f, 9.0f), 0.0f) << "lights that overlap cover no more than there is";
+  EXPECT_EQ(shared::skyShare(0.0f, 0.0f), 1.0f);
+}
+
+class Apertures : public Frames {
+ protected:
+  void openMode(const Scene& made, ApertureMode mode) {
+    const fs::path file = temporaryFolder() / "apertures.gltf";
+    const auto written = writeScene(file, made);
+    ASSERT_TRUE(written.ok()) << message(written.error());
+    open(file, {64, 48, 1, {}, {}, mode});
+  }
+  Image picture(const View& view, double time = 0.0) {
+    EXPECT_TRUE(renderFrame(device, renderer, scene, time, view).ok());
+    return linear();
+  }
+};
+
+/// Light of a floor point with this aperture, by counting directions.
+glm::dvec3 expectedLight(const Lighting& lighting, const glm::vec4& albedo, const Aperture& aperture, double ambient,
+                         const glm::dvec3& point) {
+  const glm::dvec3 normal(0, 1, 0);
+  glm::dvec3 received(0.0);
+  double covered = 0.0;
+  const auto add = [&](const glm::dvec3& axis, double radius, const glm::dvec3& radiance) {
+    const reference::CapMoments share = reference::capMoments(normal, aperture.direction, aperture.radius, axis, radius, 150);
+    received += radiance * share.cosine / kPi;
+    covered += share.area;
+  };
+  for (const AreaLight& light : lighting.areaLights) {
+    const glm::dvec3 way = glm::dvec3(light.position) - point;
+    add(glm::normalize(way), std::asin(light.radius / glm::length(way)), light.colour);
+  }
+  const double sun = lighting.sun->angularRadius;
+  add(lighting.sun->direction, sun, glm::dvec3(lighting.sun->colour) / static_cast<double>(reference::capArea(sun)));
+  const double whole = static_cast<double>(reference::capArea(aperture.radius));
+  received += glm::dvec3(lighting.skyColour) * ambient * std::max(0.0, 1.0 - covered / whole);
+  return received * glm::dvec3(albedo);
+}
+
+TEST_F(Apertures, LightTheFloorAsCountedDirectionsDo) {
+  const Aperture aperture{tilted(0.5, 0.8), 0.9f};
+  const float ambient = 0.4f;  // less than the volume leaves on open ground
+  const Scene made = floorScene(temporaryFolder(), square(aperture, ambient));
+  // The published model takes the cosine at the mean of both axes, the others at the centre of what they share.
+  const std::array<double, 4> tolerances{0.05, 0.5, 0.06, 0.012};
+  std::array<double, 4> worst{};
+  for (std::size_t m = 0; m < kModes.size(); ++m) {
+    openMode(made, kModes[m]);
+    const Image image = picture(fromAbove());
+    for (const double x : {-1.5, -0.6, 0.0, 0.7, 1.4})
+      for (const double z : {-1.2, -0.3, 0.5, 1.3}) {
+        const glm::ivec2 pixel = pixelOf(renderer, fromAbove(), {x, 0.0, z});
+        const glm::dmat4 clip = clipFromRelative(fromAbove(), 64.0 / 48.0);
+        // Through the middle of the pixel to the floor.
+        const glm::dvec4 far = glm::inverse(clip) * glm::dvec4((pixel.x + 0.5) / 32.0 - 1.0, (pixel.y + 0.5) / 24.0 - 1.0, 0.5, 1.0);
+        const glm::dvec3 ray = glm::dvec3(far) / far.w, from = eye(fromAbove());
+        const glm::dvec3 point = from - ray * (from.y / ray.y);
+        const glm::dvec3 expected = expectedLight(*made.lighting, made.materials[0].baseColour, aperture, ambient, point);
+        for (int c = 0; c < 3; ++c)
+          worst[m] = std::max(worst[m], std::abs(static_cast<double>(at(image, pixel.x, pixel.y, c)) - expected[c]) / expected[c]);
+        EXPECT_NEAR(at(image, pixel.x, pixel.y, channelIndex(image, "sky")), ambient, 1e-3f);
+      }
+    RecordProperty("mode" + std::to_string(m), std::to_string(worst[m]));
+    EXPECT_LT(worst[m], tolerances[m]) << "mode " << m;
+    close();
+  }
+  EXPECT_LT(worst[3], worst[0]);
+  EXPECT_LT(worst[2], 0.5 * worst[1]) << "ours beats the published model";
+}
+
+TEST_F(Apertures, TurnWithTheirObjects) {
+  const Aperture aperture{tilted(0.6, 0.0), 0.5f}, turned{tilted(0.6, 0.5 * kPi), 0.5f};
+  Scene still = floorScene(temporaryFolder(), square(turned, 0.3f));
+  openMode(still, ApertureMode::accurate);
+  const Image expected = picture(fromAbove());
+  close();
+  Scene moving = floorScene(temporaryFolder(), square(aperture, 0.3f));
+  AnimationChannel channel;
+  channel.property = AnimatedProperty::rotation;
+  channel.node = 0;
+  channel.times = {0.0, 1.0};
+  const double half = std::sqrt(0.5);
+  channel.values = {{0, 0, 0, 1}, {0, -half, 0, half}};  // a quarter turn that takes x to z
+  moving.animations.push_back({"turn", {channel}});
+  openMode(moving, ApertureMode::accurate);
+  const Image image = picture(fromAbove(), 1.0 - 1e-9), before = picture(fromAbove(), 0.0);
+  float worst = 0.0f, changed = 0.0f;
+  for (const double x : {-1.0, 0.0, 1.0}) {
+    const glm::ivec2 pixel = pixelOf(renderer, fromAbove(), {x, 0.0, 0.2});
+    for (int c = 0; c < 3; ++c) {
+      worst = std::max(worst, std::abs(at(image, pixel.x, pixel.y, c) - at(expected, pixel.x, pixel.y, c)));
+      changed = std::max(changed, std::abs(at(before, pixel.x, pixel.y, c) - at(expected, pixel.x, pixel.y, c)));
+    }
+  }
+  EXPECT_LT(worst, 2e-3f);
+  EXPECT_GT(changed, 0.02f);
+}
+
+TEST_F(Apertures, AreNeverBelowZeroNorNotANumber) {
+  Scene made = floorScene(temporaryFolder(), reference::icosphere(1.5, 3));
+  Mesh& mesh = made.meshes[0];
+  mesh.parts = {{0, static_cast<std::uint32_t>(mesh.triangles.size()), 0}};
+  mesh.visibility.emplace();
+  mesh.visibility->bits = ApertureBits::packed64;
+  mesh.normals.clear();
+  for (std::size_t i = 0; i < mesh.positions.size(); ++i) {
+    mesh.normals.emplace_back(glm::normalize(mesh.positions[i]));
+    const float radius = i % 3 == 0 ? 0.0f : i % 3 == 1 ? shared::kApertureWidest : 1e-3f * static_cast<float>(i);
+    mesh.visibility->apertures.push_back({i % 5 == 0 ? -mesh.normals[i] : mesh.normals[i], std::min(radius, shared::kApertureWidest)});
+    mesh.visibility->ambient.push_back(i % 2 ? 0.0f : 1.0f);
+  }
+  made.lighting->areaLights = {
+      {{0, 0, 0}, 0.3f, {1, 1, 1}}, {{0, 1.5f, 0}, 1e-6f, {1, 1, 1}}, {{0, 1.4f, 0.3f}, 3.0f, {1, 1, 1}}, {{0, 1e6f, 0}, 1.0f, {1, 1, 1}}};
+  for (const ApertureMode mode : kModes) {
+    openMode(made, mode);
+    const Image image = picture(lookAt({0.0, 4.0, 3.0}, {0.0, 0.0, 0.0}, {0, 1, 0}, 0.8));
+    for (const float value : image.pixels) ASSERT_TRUE(value >= 0.0f && value < 1e4f) << value;
+    close();
+  }
+}
+
+TEST_F(Apertures, MeshesWithoutSeeTheWholeHemisphere) {
+  // Beside a mesh with apertures the floor has none: it is lit as one whose apertures are open.
+  Scene made = floorScene(temporaryFolder(), square({{0, 1, 0}, shared::kApertureWidest}, 1.0f));
+  made.lighting->globalVolume.bounds = Box{{-2.0, -0.5, -2.0}, {2.0, 1.5, 2.0}};
+  openMode(made, ApertureMode::accurate);
+  const Image open = picture(fromAbove());
+  close();
+  Mesh other = made.meshes[0];
+  made.meshes[0].visibility.reset();
+  made.meshes.push_back(std::move(other));
+  Node far = made.nodes[0];
+  far.mesh = 1;
+  far.translation = {0.0, -1000.0, 0.0};
+  made.nodes.push_back(far);
+  openMode(made, ApertureMode::accurate);
+  const Image plain = picture(fromAbove());
+  const glm::ivec2 pixel = pixelOf(renderer, fromAbove(), {0.2, 0.0, 0.2});
+  for (int c = 0; c < 3; ++c) EXPECT_NEAR(at(plain, pixel.x, pixel.y, c), at(open, pixel.x, pixel.y, c), 0.01f);
+}
+
+TEST_F(Apertures, CostNothingWhereThereAreNone) {
+  open(writeBakedScene(temporaryFolder()), settings);
+  EXPECT_FALSE(renderer.targets.aperture.has_value());
+  EXPECT_EQ(renderer.targets.images.aperture.image, VK_NULL_HANDLE);
+  EXPECT_EQ(scene.apertures.buffer, VK_NULL_HANDLE);
+  EXPECT_EQ(renderer.geometry.pipeline.bindings.size(), 2u);
+  EXPECT_EQ(render(0.0).size(), 5u);
+  close();
+  openMode(floorScene(temporaryFolder(), square({{0, 1, 0}, 1.0f}, 0.5f)), ApertureMode::fast);
+  EXPECT_TRUE(renderer.targets.aperture.has_value());
+  EXPECT_EQ(render(0.0).size(), 6u);
+}
+
+TEST_F(Apertures, KeepTheirSizeWhenThePictureChanges) {
+  openMode(floorScene(temporaryFolder(), square({{0, 1, 0}, 1.0f}, 0.5f)), ApertureMode::fast);
+  ASSERT_TRUE(resizeFrames(device, renderer, 32, 32).ok());
+  EXPECT_TRUE(renderer.targets.aperture.has_value());
+  EXPECT_EQ(render(0.0).size(), 6u);
+}
+
+TEST_F(Apertures, RefuseMoreLightsThanThereIsRoomFor) {
+  Scene made = floorScene(temporaryFolder(), square({{0, 1, 0}, 1.0f}, 0.5f));
+  made.lighting->areaLights.assign(17, AreaLight{});
+  ASSERT_TRUE(writeScene(temporaryFolder() / "many.gltf", made).ok());
+  const Result<RuntimeScene> loaded = loadScene(device, temporaryFolder() / "many.gltf");
+  ASSERT_FALSE(loaded.ok());
+  EXPECT_NE(message(loaded.error()).find("17 area lights"), std::string::npos) << message(loaded.error());
+}
+
+}  // namespace
+}  // namespace overcast::test
