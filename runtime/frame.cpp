@@ -37,20 +37,22 @@ void destroyTargets(const Device& device, FrameTargets& targets) {
   destroyGeometryImages(device, targets.images);
 }
 
-Result<Done> makeTargets(const Device& device, bool apertures, FrameRenderer& renderer) {
+Result<Done> makeTargets(const Device& device, FrameRenderer& renderer) {
   FrameTargets& targets = renderer.targets;
   const FrameSettings& settings = renderer.settings;
   const VkExtent2D full{static_cast<std::uint32_t>(settings.width * settings.supersample),
                         static_cast<std::uint32_t>(settings.height * settings.supersample)};
-  Result<Done> done = take(makeGeometryImages(device, full, apertures), targets.images);
+  Result<Done> done = take(makeGeometryImages(device, full, renderer.apertures), targets.images);
   if (done) done = take(makeShadePass(device, targets.images, renderer.pyramid, renderer.taps), targets.shade);
-  if (done && apertures)
-    done = take(makeAperturePass(device, targets.images, targets.shade.light, settings.apertureMode), targets.aperture.emplace());
+  if (done && renderer.apertures) {
+    const ApertureInputs inputs{targets.images, targets.shade.light, renderer.manyObjects ? &renderer.pyramid : nullptr};
+    done = take(makeAperturePass(device, inputs, settings.apertureMode), targets.aperture.emplace());
+  }
   if (done) done = take(makeTonemapPass(device, targets.shade.light, settings.supersample), targets.tonemap);
   return done;
 }
 
-Result<Done> makeSubmission(const Device& device, bool apertures, FrameRenderer& renderer) {
+Result<Done> makeSubmission(const Device& device, FrameRenderer& renderer) {
   VkCommandBufferAllocateInfo allocate{VK_STRUCTURE_TYPE_COMMAND_BUFFER_ALLOCATE_INFO};
   allocate.commandPool = device.commandPool;
   allocate.level = VK_COMMAND_BUFFER_LEVEL_PRIMARY;
@@ -60,7 +62,7 @@ Result<Done> makeSubmission(const Device& device, bool apertures, FrameRenderer&
   if (made == VK_SUCCESS) made = vkCreateFence(device.device, &fence, nullptr, &renderer.done);
   if (made != VK_SUCCESS) return vulkanError(made, "cannot make a command buffer");
   std::vector<std::string> names{"composite", "pyramid", "geometry", "shade", "tonemap"};
-  if (apertures) names.emplace_back("aperture");
+  if (renderer.apertures) names.emplace_back("aperture");
   return take(makePassTimer(device, std::move(names)), renderer.timer);
 }
 
@@ -68,6 +70,8 @@ Result<Done> fillRenderer(const Device& device, const RuntimeScene& scene, Frame
   const GlobalVolume& wanted = scene.lighting.globalVolume;
   const int resolution = renderer.settings.resolution.value_or(wanted.resolution);
   renderer.grid = globalGrid(wanted.bounds.value_or(scene.bounds), resolution);
+  renderer.apertures = hasApertures(scene);
+  renderer.manyObjects = scene.objects.size() > 1;
   Estimator estimator = scene.lighting.estimator;
   if (renderer.settings.taps) estimator.taps = *renderer.settings.taps;
   Result<Done> done = take(skyTaps(estimator, resolution), renderer.taps);
@@ -76,8 +80,8 @@ Result<Done> fillRenderer(const Device& device, const RuntimeScene& scene, Frame
   if (done) done = take(makeCompositePass(device, renderer.grid, renderer.store, objects), renderer.composite);
   if (done) done = take(makePyramidPass(device, renderer.composite.volume, renderer.taps.count), renderer.pyramid);
   if (done) done = take(makeGeometryPass(device, scene.vertices, scene.indices, objects, scene.apertures), renderer.geometry);
-  if (done) done = makeSubmission(device, hasApertures(scene), renderer);
-  if (done) done = makeTargets(device, hasApertures(scene), renderer);
+  if (done) done = makeSubmission(device, renderer);
+  if (done) done = makeTargets(device, renderer);
   return done;
 }
 
@@ -166,9 +170,8 @@ Result<Done> resizeFrames(const Device& device, FrameRenderer& renderer, int wid
   const Result<Done> checked = checkSettings(settings);
   if (!checked) return checked;
   renderer.settings = settings;
-  const bool apertures = renderer.targets.aperture.has_value();
   destroyTargets(device, renderer.targets);
-  return makeTargets(device, apertures, renderer);
+  return makeTargets(device, renderer);
 }
 
 View defaultView(const RuntimeScene& scene, double time, double aspect) {
@@ -198,7 +201,8 @@ void recordFrame(VkCommandBuffer commands, FrameRenderer& renderer, const Runtim
   timed(commands, timer, FramePass::shade, [&] { recordShade(commands, targets.shade, renderer.grid, shade); });
   if (targets.aperture)
     timed(commands, timer, FramePass::aperture, [&] {
-      recordAperture(commands, *targets.aperture, apertureLights(scene.lighting, eye(view)), {clip, scene.lighting.skyColour});
+      const ApertureView seen{clip, eye(view), scene.lighting.skyColour};
+      recordAperture(commands, *targets.aperture, renderer.grid, apertureLights(scene.lighting, seen.eye), seen);
     });
   const TonemapView shown{glm::mat4(glm::inverse(clip)), scene.lighting.skyColour, scene.lighting.up, scene.lighting.exposure};
   timed(commands, timer, FramePass::tonemap, [&] { recordTonemap(commands, targets.tonemap, shown); });

@@ -48,6 +48,8 @@ struct FrameTargets {
 struct FrameRenderer {
   FrameSettings settings;
   SkyTaps taps;
+  bool apertures = false;    ///< the scene has some
+  bool manyObjects = false;  ///< that can stand in each other's light
   GlobalGrid grid;
   AssetStore store;
   CompositePass composite;

@@ -1,5 +1,5 @@
 // One thread per pixel: light through the aperture that the geometry pass left, over what the shade pass made of the pixel.
-// OVERCAST_APERTURE_MODE: one of kAperture....
+// OVERCAST_APERTURE_MODE: one of kAperture....; OVERCAST_OTHERS: the scene has more than one object.
 #version 460
 #include "runtime/passes/aperture/aperture.h"
 #include "runtime/passes/shade/shade.h"
@@ -12,6 +12,31 @@ layout(set = 0, binding = 2) uniform sampler2D colourImage;
 layout(set = 0, binding = 3) uniform usampler2D apertureImage;
 layout(set = 0, binding = 4, rgba16f) uniform image2D lightImage;
 layout(set = 0, binding = 5, std430) readonly buffer Lights { ApertureLight lights[]; };
+
+#ifdef OVERCAST_OTHERS
+layout(set = 0, binding = 6) uniform sampler3D volume;
+
+// What other objects leave of a cone from `from` (voxels) in `direction`, up to `far` voxels.
+float clearOfOthers(vec3 from, vec3 direction, float radius, float far) {
+  vec3 size = vec3(textureSize(volume, 0));
+  float clear = 1.0;
+  float t = 0.0;
+  for (int i = 0; i < kConeSteps && t < far && clear > 0.0; ++i) {
+    vec3 p = from + t * direction;
+    if (any(lessThan(p, vec3(0.0))) || any(greaterThan(p, size))) break;
+    float phi = textureLod(volume, p / size, 0.0).r;
+    float width = coneWidth(t, radius);
+    clear = min(clear, coneClear(phi, width));
+    t += coneStep(phi, width);
+  }
+  return clear;
+}
+
+// Voxels from a point to the surface of a light, beyond which nothing stands before it.
+float distanceOf(ApertureLight light, vec3 point) {
+  return light.radiance.w > 0.0 ? 1.0e6 : max(distance(light.place.xyz, point) - light.place.w, 0.0) * push.voxel.w;
+}
+#endif
 
 void main() {
   ivec2 pixel = ivec2(gl_GlobalInvocationID);
@@ -29,11 +54,18 @@ void main() {
   float covered = 0.0;
   for (int i = 0; i < push.lights.x; ++i) {
     ApertureShare share = apertureShare(OVERCAST_APERTURE_MODE, normal, aperture, lightCap(lights[i], point, normal));
-    received += lights[i].radiance.rgb * share.cosine;
     covered += share.area;
+    if (share.cosine <= 0.0) continue;
+#ifdef OVERCAST_OTHERS
+    vec3 from = push.voxel.xyz + point * push.voxel.w + kConeStart * normal;
+    share.cosine *= clearOfOthers(from, share.centre, share.radius, distanceOf(lights[i], point));
+#endif
+    received += lights[i].radiance.rgb * share.cosine;
   }
-  // The volume holds the object itself too: where that alone shuts the sky out, its aperture says so better.
-  float sky = min(ambientFromWord(code.y), imageLoad(lightImage, pixel).a);
+  float sky = ambientFromWord(code.y);
+#ifdef OVERCAST_OTHERS
+  sky = min(sky, imageLoad(lightImage, pixel).a);
+#endif
   received = received / kCapPi + push.sky.rgb * sky * skyShare(aperture.w, covered);
   imageStore(lightImage, pixel, vec4(texelFetch(colourImage, pixel, 0).rgb * received, sky));
 }

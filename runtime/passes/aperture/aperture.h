@@ -3,6 +3,11 @@
 //
 // A pixel's aperture is the cap of directions in which its own object leaves the sky free. A light is a cap too. Of what both have in
 // common the surface gets radiance times cosine; what no light covers is filled with sky.
+//
+// Other objects take light away by the global distance volume. The cone of what a light sends through the aperture holds nothing of the
+// object itself, so whatever the volume finds in it belongs to others: it is traced for each light, and what is clear of it multiplies in.
+// Of the sky the volume's estimate and the aperture's own visibility leave the smaller: the former counts the object's own shape once more,
+// so a product would count that twice. Scenes of one object have no others, and their sky is the baked visibility alone.
 #ifndef RUNTIME_PASSES_APERTURE_APERTURE_H
 #define RUNTIME_PASSES_APERTURE_APERTURE_H
 
@@ -28,13 +33,16 @@ struct ApertureLight {
 struct AperturePush {
   mat4 relativeFromClip;  //  0: positions relative to the eye from clip space, before the division by w
   vec4 sky;               // 64: rgb: linear radiance of the sky
-  ivec4 lights;           // 80: x: how many
+  vec4 voxel;             // 80: xyz: the eye in voxels of the volume from its corner, w: voxels per metre
+  ivec4 lights;           // 96: x: how many
 };
 
 /// What a surface receives of one light.
 struct ApertureShare {
   float area;    ///< solid angle of the light that is seen
   float cosine;  ///< its integral of the cosine to the normal
+  float radius;  ///< of the cone of it
+  vec3 centre;   ///< unit vector to its middle
 };
 
 /// Cap of a light as seen from a point relative to the eye: xyz axis, w radius. From within a sphere it is the hemisphere towards its
@@ -48,12 +56,41 @@ OVERCAST_INLINE vec4 lightCap(ApertureLight light, vec3 point, vec3 normal) {
   return vec4(axis, capAngle(radius, sqrt(max(squared - radius * radius, 0.0f))));
 }
 
+/// Steps of a cone through the distance volume, at most.
+const int kConeSteps = 32;
+/// Cones start so many voxels above the surface, out of reach of how much mesh and volume disagree.
+const float kConeStart = 1.5f;
+/// A cone is nowhere narrower than so many voxels, which the volume can tell.
+const float kConeNarrowest = 0.5f;
+
+/// Angle between the axis and the side of the cone of what a light sends through an aperture.
+OVERCAST_INLINE float coneRadius(float aperture, float light, float d) {
+  return clamp(0.5f * (aperture + light - d), 0.0f, min(aperture, light));
+}
+
+/// Half the width, in voxels, of a cone at distance t from its tip.
+OVERCAST_INLINE float coneWidth(float t, float radius) {
+  return max(t * capSine(radius), kConeNarrowest);
+}
+
+/// How much of a cone is clear where the nearest surface is `phi` from its axis (negative: beyond it), [0, 1].
+OVERCAST_INLINE float coneClear(float phi, float width) {
+  return clamp(0.5f + 0.5f * phi / width, 0.0f, 1.0f);
+}
+
+/// How far the next step goes: to where something can be that is not seen from here, but on through what half blocks the cone.
+OVERCAST_INLINE float coneStep(float phi, float width) {
+  return max(phi, width);
+}
+
 /// What comes through `aperture` (xyz axis, w radius) of the cap `light`.
 OVERCAST_INLINE ApertureShare apertureShare(int mode, vec3 normal, vec4 aperture, vec4 light) {
   vec3 axis = vec3(aperture);
   vec3 way = vec3(light);
   float d = capDistance(axis, way);
   ApertureShare share;
+  share.centre = capCentroid(axis, aperture.w, way, light.w, d);
+  share.radius = coneRadius(aperture.w, light.w, d);
   if (mode == kApertureSmoothstep) {
     vec3 sum = axis + way;
     share.area = capIntersectionSmoothstep(aperture.w, light.w, d);
@@ -64,7 +101,7 @@ OVERCAST_INLINE ApertureShare apertureShare(int mode, vec3 normal, vec4 aperture
   if (mode == kApertureAccurate) {
     share.cosine = capIntersectionCosine(normal, axis, aperture.w, way, light.w, d, share.area);
   } else {
-    share.cosine = share.area * max(dot(normal, capCentroid(axis, aperture.w, way, light.w, d)), 0.0f);
+    share.cosine = share.area * max(dot(normal, share.centre), 0.0f);
   }
   return share;
 }

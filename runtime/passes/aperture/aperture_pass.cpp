@@ -18,7 +18,7 @@ using shared::ApertureLight;
 using shared::AperturePush;
 
 static_assert(sizeof(ApertureLight) == 32 && offsetof(ApertureLight, radiance) == 16);
-static_assert(sizeof(AperturePush) == 96 && offsetof(AperturePush, sky) == 64 && offsetof(AperturePush, lights) == 80);
+static_assert(sizeof(AperturePush) == 112 && offsetof(AperturePush, sky) == 64 && offsetof(AperturePush, lights) == 96);
 static_assert(static_cast<int>(ApertureMode::exact) == shared::kApertureExact &&
               static_cast<int>(ApertureMode::smoothstep) == shared::kApertureSmoothstep &&
               static_cast<int>(ApertureMode::fast) == shared::kApertureFast &&
@@ -33,7 +33,7 @@ bool shines(const glm::vec3& colour) {
   return std::max({colour.x, colour.y, colour.z}) > 0.0f;
 }
 
-Result<Done> fill(const Device& device, const GeometryImages& images, ApertureMode mode, AperturePass& pass) {
+Result<Done> fill(const Device& device, const ApertureInputs& inputs, ApertureMode mode, AperturePass& pass) {
   const Result<VkSampler> nearest = makeSampler(device, VK_FILTER_NEAREST);
   if (!nearest) return nearest.error();
   pass.nearest = nearest.value();
@@ -41,34 +41,39 @@ Result<Done> fill(const Device& device, const GeometryImages& images, ApertureMo
       makeBuffer(device, shared::kMaxApertureLights * sizeof(ApertureLight), VK_BUFFER_USAGE_STORAGE_BUFFER_BIT, MemoryUse::upload);
   if (!lights) return lights.error();
   pass.lights = lights.value();
-  const Shader shader{"runtime/passes/aperture/aperture.comp.glsl",
-                      {{"OVERCAST_APERTURE_MODE", fmt::format("{}", static_cast<int>(mode))}}};
+  Shader shader{"runtime/passes/aperture/aperture.comp.glsl", {{"OVERCAST_APERTURE_MODE", fmt::format("{}", static_cast<int>(mode))}}};
   std::vector<Binding> bindings;
   for (std::uint32_t i = 0; i < 4; ++i) bindings.push_back({i, VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER});
   bindings.push_back({4, VK_DESCRIPTOR_TYPE_STORAGE_IMAGE});
   bindings.push_back({5, VK_DESCRIPTOR_TYPE_STORAGE_BUFFER});
+  if (inputs.others) {
+    shader.defines.push_back({"OVERCAST_OTHERS", "1"});
+    bindings.push_back({6, VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER});
+  }
   Result<Pipeline> pipeline = makeComputePipeline(device, {shader, bindings, sizeof(AperturePush)});
   if (!pipeline) return pipeline.error();
   pass.pipeline = std::move(pipeline).value();
   Result<DescriptorSet> set = makeDescriptorSet(device, pass.pipeline);
   if (!set) return set.error();
   pass.set = std::move(set).value();
+  const GeometryImages& images = inputs.images;
   writeSampledImage(device, pass.set, 0, images.depth.view, pass.nearest);
   writeSampledImage(device, pass.set, 1, images.normal.view, pass.nearest);
   writeSampledImage(device, pass.set, 2, images.colour.view, pass.nearest);
   writeSampledImage(device, pass.set, 3, images.aperture.view, pass.nearest);
   writeStorageImage(device, pass.set, 4, pass.light.mipViews[0]);
   writeBuffer(device, pass.set, 5, pass.lights);
+  if (inputs.others) writeSampledImage(device, pass.set, 6, inputs.others->views[0], inputs.others->sampler, VK_IMAGE_LAYOUT_GENERAL);
   return Done{};
 }
 
 }  // namespace
 
-Result<AperturePass> makeAperturePass(const Device& device, const GeometryImages& images, const GpuImage& light, ApertureMode mode) {
-  OVERCAST_REQUIRE(images.aperture.image != VK_NULL_HANDLE, "the geometry images have no apertures");
+Result<AperturePass> makeAperturePass(const Device& device, const ApertureInputs& inputs, ApertureMode mode) {
+  OVERCAST_REQUIRE(inputs.images.aperture.image != VK_NULL_HANDLE, "the geometry images have no apertures");
   AperturePass pass;
-  pass.light = light;
-  const Result<Done> filled = fill(device, images, mode, pass);
+  pass.light = inputs.light;
+  const Result<Done> filled = fill(device, inputs, mode, pass);
   if (filled) return pass;
   destroyAperturePass(device, pass);
   return filled.error();
@@ -98,12 +103,14 @@ std::vector<ApertureLight> apertureLights(const Lighting& lighting, const glm::d
   return lights;
 }
 
-void recordAperture(VkCommandBuffer commands, AperturePass& pass, const std::vector<ApertureLight>& lights, const ApertureView& view) {
+void recordAperture(VkCommandBuffer commands, AperturePass& pass, const GlobalGrid& grid, const std::vector<ApertureLight>& lights,
+                    const ApertureView& view) {
   OVERCAST_REQUIRE(lights.size() <= shared::kMaxApertureLights, "{} lights, room for {}", lights.size(), shared::kMaxApertureLights);
   if (!lights.empty()) std::memcpy(pass.lights.mapped, lights.data(), lights.size() * sizeof(ApertureLight));
   AperturePush constants;
   constants.relativeFromClip = glm::mat4(glm::inverse(view.clipFromRelative));
   constants.sky = glm::vec4(view.skyColour, 0.0f);
+  constants.voxel = glm::vec4((view.eye - grid.origin) / grid.voxelSize, 1.0 / grid.voxelSize);
   constants.lights = glm::ivec4(static_cast<int>(lights.size()), 0, 0, 0);
   transition(commands, pass.light, kLightReady, kComputeReadWrite);
   bind(commands, pass.pipeline, pass.set);

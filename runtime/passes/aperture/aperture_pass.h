@@ -8,7 +8,9 @@
 
 #include "formats/lighting.h"
 #include "runtime/passes/aperture/aperture.h"
+#include "runtime/passes/composite/global_grid.h"
 #include "runtime/passes/geometry/geometry_pass.h"
+#include "runtime/passes/pyramid/pyramid_pass.h"
 #include "runtime/vulkan/device.h"
 #include "runtime/vulkan/pipeline.h"
 #include "runtime/vulkan/resources.h"
@@ -26,8 +28,13 @@ struct AperturePass {
   GpuImage light;    ///< ShadePass::light; not owned
 };
 
-/// A pass that reads `images` (made with apertures) and rewrites `light` (ShadePass::light), which must outlive it.
-Result<AperturePass> makeAperturePass(const Device& device, const GeometryImages& images, const GpuImage& light, ApertureMode mode);
+/// What a pass reads and rewrites; all must outlive it.
+struct ApertureInputs {
+  const GeometryImages& images;         ///< made with apertures
+  const GpuImage& light;                ///< ShadePass::light
+  const PyramidPass* others = nullptr;  ///< of the global volume; null where a scene has one object, which then needs none
+};
+Result<AperturePass> makeAperturePass(const Device& device, const ApertureInputs& inputs, ApertureMode mode);
 void destroyAperturePass(const Device& device, AperturePass& pass);
 
 /// The lights of a scene as the pass takes them, seen from `eye`: the sun first, then the spheres. Those without colour or size give no
@@ -37,12 +44,14 @@ std::vector<shared::ApertureLight> apertureLights(const Lighting& lighting, cons
 /// What the frame's camera and sky are.
 struct ApertureView {
   glm::dmat4 clipFromRelative{1.0};  ///< as the geometry pass had it
-  glm::vec3 skyColour{1.0f};         ///< Lighting::skyColour
+  glm::dvec3 eye{0.0};
+  glm::vec3 skyColour{1.0f};  ///< Lighting::skyColour
 };
 
-/// Records the pass; outside of rendering, after recordGeometry and recordShade. Afterwards the light image is as recordShade leaves it:
-/// rgb linear light of sun, spheres and sky, a the sky's visibility. The device must not be reading the lights of an earlier frame.
-void recordAperture(VkCommandBuffer commands, AperturePass& pass, const std::vector<shared::ApertureLight>& lights,
+/// Records the pass; outside of rendering, after recordGeometry and recordShade. `grid` is the composite's. Afterwards the light image is
+/// as recordShade leaves it: rgb linear light of sun, spheres and sky, a the sky's visibility. The device must not be reading the lights of
+/// an earlier frame.
+void recordAperture(VkCommandBuffer commands, AperturePass& pass, const GlobalGrid& grid, const std::vector<shared::ApertureLight>& lights,
                     const ApertureView& view);
 
 }  // namespace overcast
