@@ -107,6 +107,7 @@ void readAreaLight(Fields fields, AreaLight& light) {
   fields.vector("position", light.position, -kLargestFloat, kLargestFloat);
   fields.number("radius", light.radius, kTinyFloat, kLargestFloat);
   fields.vector("colour", light.colour, 0.0, kLargestFloat);
+  if (fields.has("node")) fields.integer("node", light.node, 0, std::numeric_limits<int>::max());
 }
 
 void readEstimator(Fields fields, Estimator& estimator) {
@@ -194,6 +195,7 @@ std::string lightingJson(const Lighting& lighting) {
   for (const AreaLight& light : lighting.areaLights) {
     json["areaLights"].push_back(
         {{"position", arrayOf(light.position)}, {"radius", shortest(light.radius)}, {"colour", arrayOf(light.colour)}});
+    if (light.node >= 0) json["areaLights"].back()["node"] = light.node;
   }
   json["globalVolume"] = Json::object();
   if (lighting.globalVolume.bounds) json["globalVolume"]["bounds"] = boxJson(*lighting.globalVolume.bounds);

@@ -212,11 +212,19 @@ void readMaterials(const tinygltf::Model& model, Scene& scene, Tally& tally) {
   }
 }
 
-Result<Done> readLighting(const tinygltf::Scene& source, int index, Scene& scene) {
+Result<Done> readLighting(const tinygltf::Scene& source, int index, const std::vector<int>& newIndex, Scene& scene) {
   const auto text = extensionText(source.extensions_json_string, "OVERCAST_lighting");
   if (!text) return Done{};
-  auto lighting = parseLighting(*text, fmt::format("scenes/{}/extensions/OVERCAST_lighting", index));
+  const std::string place = fmt::format("scenes/{}/extensions/OVERCAST_lighting", index);
+  auto lighting = parseLighting(*text, place);
   if (!lighting) return lighting.error();
+  for (std::size_t i = 0; i < lighting.value().areaLights.size(); ++i) {
+    int& node = lighting.value().areaLights[i].node;
+    if (node < 0) continue;
+    if (!isIndex(node, newIndex.size()) || newIndex[at(node)] < 0)
+      return Error{"", fmt::format("{}/areaLights/{}/node", place, i), fmt::format("{} is no node of the scene", node)};
+    node = newIndex[at(node)];
+  }
   scene.lighting = std::move(lighting).value();
   return Done{};
 }
@@ -248,7 +256,7 @@ Result<Scene> convert(const tinygltf::Model& model, Tally& tally) {
   scene.animations = std::move(animations).value();
   if (index < 0) return scene;
   scene.name = model.scenes[at(index)].name;
-  auto lighting = readLighting(model.scenes[at(index)], index, scene);
+  auto lighting = readLighting(model.scenes[at(index)], index, newIndex, scene);
   if (!lighting) return lighting.error();
   return scene;
 }

@@ -19,9 +19,10 @@ struct Sun {
 
 /// A spherical area light.
 struct AreaLight {
-  glm::vec3 position{0.0f};  ///< world space
+  glm::vec3 position{0.0f};  ///< world space, or that of `node`
   float radius = 0.1f;       ///< metres
   glm::vec3 colour{1.0f};    ///< linear radiance
+  int node = -1;             ///< index into Scene::nodes: the light moves with it; -1: it stays where it is
 };
 
 /// Constants of a sky estimator (DESIGN 5.4). They mean the same at any resolution of the global volume and at any scale of the scene.

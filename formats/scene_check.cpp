@@ -94,6 +94,9 @@ std::string brokenInvariant(const Scene& scene) {
       if (!broken.empty()) return fmt::format("animation {} channel {} {}", a, c, broken);
     }
   }
+  if (scene.lighting)
+    for (const AreaLight& light : scene.lighting->areaLights)
+      if (!isIndexOrNone(light.node, scene.nodes.size())) return fmt::format("an area light moves with node {}", light.node);
   for (std::size_t n = 0; n < scene.nodes.size(); ++n) {
     const std::string broken = scene.nodes[n].occluder ? brokenOccluder(*scene.nodes[n].occluder) : "";
     if (!broken.empty()) return fmt::format("node {} {}", n, broken);

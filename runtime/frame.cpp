@@ -99,8 +99,7 @@ struct Placed {
   std::vector<shared::GeometryInstance> instances;
 };
 
-Placed placeObjects(const FrameRenderer& renderer, const RuntimeScene& scene, double time, const View& view) {
-  const std::vector<glm::dmat4> nodes = worldFromLocal(scene.scene, time);
+Placed placeObjects(const FrameRenderer& renderer, const RuntimeScene& scene, const std::vector<glm::dmat4>& nodes, const View& view) {
   Placed placed;
   for (const SceneObject& object : scene.objects) {
     const glm::dmat4& node = nodes[object.node];
@@ -180,7 +179,8 @@ View defaultView(const RuntimeScene& scene, double time, double aspect) {
 }
 
 void recordFrame(VkCommandBuffer commands, FrameRenderer& renderer, const RuntimeScene& scene, double time, const View& view) {
-  const Placed placed = placeObjects(renderer, scene, time, view);
+  const std::vector<glm::dmat4> nodes = worldFromLocal(scene.scene, time);
+  const Placed placed = placeObjects(renderer, scene, nodes, view);
   const double aspect = static_cast<double>(renderer.settings.width) / renderer.settings.height;
   const glm::dmat4 clip = clipFromRelative(view, aspect);
   FrameTargets& targets = renderer.targets;
@@ -193,18 +193,20 @@ void recordFrame(VkCommandBuffer commands, FrameRenderer& renderer, const Runtim
   }
   timed(commands, timer, FramePass::geometry,
         [&] { recordGeometry(commands, renderer.geometry, targets.images, placed.instances, drawsOf(scene), glm::mat4(clip)); });
+  const std::optional<Daylight>& day = renderer.settings.daylight;
+  const Lighting lighting = day ? lightingAt(scene.lighting, day->start + day->hoursPerSecond * time) : scene.lighting;
   ShadeView shade;
   shade.clipFromRelative = clip;
   shade.eye = eye(view);
-  shade.skyColour = scene.lighting.skyColour;
-  shade.up = scene.lighting.up;
+  shade.skyColour = lighting.skyColour;
+  shade.up = lighting.up;
   timed(commands, timer, FramePass::shade, [&] { recordShade(commands, targets.shade, renderer.grid, shade); });
   if (targets.aperture)
     timed(commands, timer, FramePass::aperture, [&] {
-      const ApertureView seen{clip, eye(view), scene.lighting.skyColour};
-      recordAperture(commands, *targets.aperture, renderer.grid, apertureLights(scene.lighting, seen.eye), seen);
+      const ApertureView seen{clip, eye(view), lighting.skyColour};
+      recordAperture(commands, *targets.aperture, renderer.grid, apertureLights(lighting, nodes, seen.eye), seen);
     });
-  const TonemapView shown{glm::mat4(glm::inverse(clip)), scene.lighting.skyColour, scene.lighting.up, scene.lighting.exposure};
+  const TonemapView shown{glm::mat4(glm::inverse(clip)), lighting.skyColour, lighting.up, lighting.exposure};
   timed(commands, timer, FramePass::tonemap, [&] { recordTonemap(commands, targets.tonemap, shown); });
 }
 

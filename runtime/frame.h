@@ -12,6 +12,7 @@
 #include "formats/image.h"
 #include "runtime/asset_store.h"
 #include "runtime/camera.h"
+#include "runtime/daylight.h"
 #include "runtime/passes/aperture/aperture_pass.h"
 #include "runtime/passes/composite/composite_pass.h"
 #include "runtime/passes/geometry/geometry_pass.h"
@@ -31,6 +32,7 @@ struct FrameSettings {
   std::optional<int> resolution;  ///< voxels along the longest side of the global volume; else the scene's
   std::optional<int> taps;        ///< of the estimator; else the scene's
   ApertureMode apertureMode = ApertureMode::accurate;
+  std::optional<Daylight> daylight;  ///< else sun and sky stay as the scene has them
 };
 
 /// The passes of a frame; indices into what renderFrame returns, which ends before `aperture` where the scene has none.

@@ -42,7 +42,8 @@ View viewOf(const PlayerOptions& options, const RuntimeScene& scene, double time
 
 std::optional<Failure> playHeadless(const Device& device, const RuntimeScene& scene, const PlayerOptions& options, PlayResult& result) {
   result.device = device.info;
-  const FrameSettings settings{options.width, options.height, options.supersample, options.resolution, options.taps, options.apertureMode};
+  const FrameSettings settings{options.width, options.height,       options.supersample, options.resolution,
+                               options.taps,  options.apertureMode, options.daylight};
   Result<FrameRenderer> renderer = makeFrameRenderer(device, scene, settings);
   if (!renderer) return Failure{renderer.error(), renderer.error().file.empty() ? ExitCode::noDevice : ExitCode::internal};
   auto failure = playFrames(device, renderer.value(), scene, options, result);

@@ -99,6 +99,7 @@ ParsedOptions parseOptions(int argc, char** argv) {
   app.option_defaults()->multi_option_policy(CLI::MultiOptionPolicy::TakeLast);
   std::string scene, frames, size, camera;
   int resolution = 0, taps = 0;
+  Daylight day;
   app.add_option("SCENE", scene, "a scene that overcast-bake wrote (.gltf)");
   app.add_flag("--headless", options.headless, "render pictures without a window");
   app.add_option("--frames", frames, "first:last frame, both included, or one frame (default 0)");
@@ -124,6 +125,12 @@ ParsedOptions parseOptions(int argc, char** argv) {
   app.add_option("--aperture-mode", options.apertureMode,
                  "how lights shine through apertures: exact, smoothstep (as published), fast or accurate (default)")
       ->transform(CLI::CheckedTransformer(kApertureModes, CLI::ignore_case).description(""));
+  auto* hourOption = app.add_option("--time-of-day", day.start, "sun and sky as at this hour, at time 0 (default: as the scene has them)")
+                         ->check(CLI::Range(0.0, 24.0));
+  app.add_option("--hours-per-second", day.hoursPerSecond, "how fast the day passes, from --time-of-day on")
+      ->check(CLI::Range(-1e3, 1e3))
+      ->needs(hourOption)
+      ->capture_default_str();
   app.add_option("--supersample", options.supersample, "samples per pixel along a side")->check(CLI::Range(1, 8))->capture_default_str();
   try {
     app.parse(argc, argv);
@@ -136,6 +143,7 @@ ParsedOptions parseOptions(int argc, char** argv) {
     std::tie(options.width, options.height) = sides;
     if (resolutionOption->count() > 0) options.resolution = resolution;
     if (tapsOption->count() > 0) options.taps = taps;
+    if (hourOption->count() > 0) options.daylight = day;
     check(options);
   } catch (const CLI::ParseError& error) {
     parsed.exitCode = parseFailure(app, error);

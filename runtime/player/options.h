@@ -9,6 +9,7 @@
 #include <glm/vec3.hpp>
 
 #include "formats/result.h"
+#include "runtime/daylight.h"
 #include "runtime/passes/aperture/aperture_pass.h"
 
 namespace CLI {
@@ -46,6 +47,7 @@ struct PlayerOptions {
   std::optional<int> taps;
   int supersample = 2;
   ApertureMode apertureMode = ApertureMode::accurate;
+  std::optional<Daylight> daylight;
 };
 
 /// What the command line says, or the exit code when there is nothing to do any more (help was shown, or a usage error reported).

@@ -207,7 +207,8 @@ std::optional<Failure> playInWindow(const Device& device, const RuntimeScene& sc
   const VkResult surface = glfwCreateWindowSurface(device.instance, window.handle, nullptr, &screen.surface);
   if (surface != VK_SUCCESS) return Failure{vulkanError(surface, "cannot draw in the window"), ExitCode::noDevice};
   std::optional<Failure> failure;
-  const FrameSettings settings{options.width, options.height, options.supersample, options.resolution, options.taps, options.apertureMode};
+  const FrameSettings settings{options.width, options.height,       options.supersample, options.resolution,
+                               options.taps,  options.apertureMode, options.daylight};
   Result<FrameRenderer> renderer = makeFrameRenderer(device, scene, settings);
   if (renderer) {
     screen.renderer = std::move(renderer).value();

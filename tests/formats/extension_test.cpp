@@ -68,7 +68,7 @@ TEST(Extension, ReadsBackBitForBit) {
     RC_ASSERT(again.areaLights.size() == made.areaLights.size());
     for (std::size_t i = 0; i < made.areaLights.size(); ++i) {
       RC_ASSERT(again.areaLights[i].position == made.areaLights[i].position && again.areaLights[i].radius == made.areaLights[i].radius);
-      RC_ASSERT(again.areaLights[i].colour == made.areaLights[i].colour);
+      RC_ASSERT(again.areaLights[i].colour == made.areaLights[i].colour && again.areaLights[i].node == made.areaLights[i].node);
     }
     RC_ASSERT(again.globalVolume.bounds.has_value() == made.globalVolume.bounds.has_value());
     if (made.globalVolume.bounds) RC_ASSERT(again.globalVolume.bounds->min == made.globalVolume.bounds->min);
@@ -140,6 +140,7 @@ TEST(Extension, TheParserRefusesWhatTheSchemaRefusesAndNamesTheField) {
   lighting.sun = Sun{};
   lighting.globalVolume.bounds = Box{glm::dvec3(-1), glm::dvec3(1)};
   lighting.areaLights = {AreaLight{}};
+  lighting.areaLights[0].node = 2;
   lighting.estimator.fitError = 0.25;
   expectAgreement(schema("OVERCAST_lighting"), parsed(lightingJson(lighting)), parseLighting);
   // Among these are occluders of all representations.

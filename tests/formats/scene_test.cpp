@@ -7,6 +7,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "formats/extension_json.h"
 #include "tests/formats/gltf_builder.h"
 #include "tests/formats/temporary_folder.h"
 
@@ -436,6 +437,27 @@ TEST(Scene, FarMeshesAreRecentred) {
   EXPECT_EQ(near.meshes[0].parts[0].material, 0);
   EXPECT_EQ(near.materials.size(), 1u);
   EXPECT_EQ(near.nodes[0].name, "far");
+}
+
+TEST(Scene, LightsMoveWithTheNodesThatTheFileNames) {
+  GltfBuilder builder = GltfBuilder::triangle();
+  Lighting lighting;
+  lighting.areaLights.resize(2);
+  const auto attach = [&](int node) {
+    lighting.areaLights[1].node = node;
+    builder.json["scenes"][0]["extensions"]["OVERCAST_lighting"] = nlohmann::json::parse(lightingJson(lighting));
+  };
+  builder.json["nodes"] = {{{"name", "outside"}}, {{"name", "lamp"}}};
+  builder.json["scenes"][0]["nodes"] = {1};
+  attach(1);
+  const Scene scene = read(builder);
+  ASSERT_EQ(scene.nodes.size(), 1u);
+  EXPECT_EQ(scene.lighting->areaLights[0].node, -1);
+  EXPECT_EQ(scene.lighting->areaLights[1].node, 0) << "counted among the nodes of the scene";
+  for (const int missing : {0, 2}) {
+    attach(missing);
+    EXPECT_THAT(errorOf(builder), HasSubstr(fmt::format("areaLights/1/node: {} is no node of the scene", missing)));
+  }
 }
 
 TEST(Scene, BrokenOvercastExtensionsNameNodeAndField) {

@@ -56,16 +56,27 @@ View fromAbove() {
 
 TEST(ApertureLights, AreTheSunsLightAndSpheresSeenFromTheEye) {
   Lighting lighting;
-  EXPECT_TRUE(apertureLights(lighting, {0, 0, 0}).empty());
+  EXPECT_TRUE(apertureLights(lighting, {}, {0, 0, 0}).empty());
   lighting.sun = Sun{{0.0f, 2.0f, 0.0f}, {3.0f, 2.0f, 1.0f}, 0.00465f};
   lighting.areaLights = {{{1e6f, 2.0f, 3.0f}, 0.5f, {1, 1, 1}}, {{0, 0, 0}, 0.5f, {0, 0, 0}}, {{0, 0, 0}, 0.0f, {1, 1, 1}}};
-  const std::vector<shared::ApertureLight> lights = apertureLights(lighting, {1e6, 0.0, 1.0});
+  const std::vector<shared::ApertureLight> lights = apertureLights(lighting, {}, {1e6, 0.0, 1.0});
   ASSERT_EQ(lights.size(), 2u) << "those without colour or size are left out";
   EXPECT_EQ(lights[0].place, glm::vec4(0.0f, 1.0f, 0.0f, 0.00465f));
   EXPECT_NEAR(lights[0].radiance.x * static_cast<float>(reference::capArea(0.00465L)), 3.0f, 1e-5f);
   EXPECT_EQ(lights[1].place, glm::vec4(0.0f, 2.0f, 2.0f, 0.5f));
   lighting.sun->angularRadius = 0.0f;
-  EXPECT_TRUE(std::isfinite(apertureLights(lighting, {0, 0, 0})[0].radiance.x)) << "a sun without size still shines";
+  EXPECT_TRUE(std::isfinite(apertureLights(lighting, {}, {0, 0, 0})[0].radiance.x)) << "a sun without size still shines";
+}
+
+TEST(ApertureLights, MoveWithTheirNodes) {
+  Lighting lighting;
+  lighting.areaLights = {{{1, 0, 0}, 0.5f, {1, 1, 1}, 1}, {{1, 0, 0}, 0.5f, {1, 1, 1}, -1}};
+  glm::dmat4 moved(2.0);  // twice as large: the light's radius stays
+  moved[3] = {10.0, 20.0, 30.0, 1.0};
+  const std::array<glm::dmat4, 2> nodes{glm::dmat4(1.0), moved};
+  const std::vector<shared::ApertureLight> lights = apertureLights(lighting, nodes, {1.0, 0.0, 0.0});
+  EXPECT_EQ(lights[0].place, glm::vec4(11, 20, 30, 0.5f));
+  EXPECT_EQ(lights[1].place, glm::vec4(0, 0, 0, 0.5f));
 }
 
 TEST(ApertureFormulas, SpheresAreCaps) {
@@ -138,29 +149,34 @@ glm::dvec3 expectedLight(const Lighting& lighting, const glm::vec4& albedo, cons
   return received * glm::dvec3(albedo);
 }
 
+/// Where the middle of a pixel of a 64 x 48 picture from above meets the floor.
+glm::dvec3 floorPoint(const glm::ivec2& pixel) {
+  const glm::dmat4 relativeFromClip = glm::inverse(clipFromRelative(fromAbove(), 64.0 / 48.0));
+  const glm::dvec4 far = relativeFromClip * glm::dvec4((pixel.x + 0.5) / 32.0 - 1.0, (pixel.y + 0.5) / 24.0 - 1.0, 0.5, 1.0);
+  const glm::dvec3 ray = glm::dvec3(far) / far.w, from = eye(fromAbove());
+  return from - ray * (from.y / ray.y);
+}
+
 TEST_F(Apertures, LightTheFloorAsCountedDirectionsDo) {
   const Aperture aperture{tilted(0.5, 0.8), 0.9f};
   const float ambient = 0.4f;  // less than the volume leaves on open ground
   const Scene made = floorScene(temporaryFolder(), square(aperture, ambient));
+  std::vector<std::pair<glm::ivec2, glm::dvec3>> expected;
+  for (const int x : {12, 22, 32, 43, 52})
+    for (const int y : {8, 19, 30, 41})
+      expected.emplace_back(glm::ivec2(x, y),
+                            expectedLight(*made.lighting, made.materials[0].baseColour, aperture, ambient, floorPoint({x, y})));
   // The published model takes the cosine at the mean of both axes, the others at the centre of what they share.
   const std::array<double, 4> tolerances{0.02, 0.15, 0.02, 0.005};
   std::array<double, 4> worst{};
   for (std::size_t m = 0; m < kModes.size(); ++m) {
     openMode(made, kModes[m]);
     const Image image = picture(fromAbove());
-    for (const double x : {-1.5, -0.6, 0.0, 0.7, 1.4})
-      for (const double z : {-1.2, -0.3, 0.5, 1.3}) {
-        const glm::ivec2 pixel = pixelOf(renderer, fromAbove(), {x, 0.0, z});
-        const glm::dmat4 clip = clipFromRelative(fromAbove(), 64.0 / 48.0);
-        // Through the middle of the pixel to the floor.
-        const glm::dvec4 far = glm::inverse(clip) * glm::dvec4((pixel.x + 0.5) / 32.0 - 1.0, (pixel.y + 0.5) / 24.0 - 1.0, 0.5, 1.0);
-        const glm::dvec3 ray = glm::dvec3(far) / far.w, from = eye(fromAbove());
-        const glm::dvec3 point = from - ray * (from.y / ray.y);
-        const glm::dvec3 expected = expectedLight(*made.lighting, made.materials[0].baseColour, aperture, ambient, point);
-        for (int c = 0; c < 3; ++c)
-          worst[m] = std::max(worst[m], std::abs(static_cast<double>(at(image, pixel.x, pixel.y, c)) - expected[c]) / expected[c]);
-        EXPECT_NEAR(at(image, pixel.x, pixel.y, channelIndex(image, "sky")), ambient, 1e-3f);
-      }
+    for (const auto& [pixel, light] : expected) {
+      for (int c = 0; c < 3; ++c)
+        worst[m] = std::max(worst[m], std::abs(static_cast<double>(at(image, pixel.x, pixel.y, c)) - light[c]) / light[c]);
+      EXPECT_NEAR(at(image, pixel.x, pixel.y, channelIndex(image, "sky")), ambient, 1e-3f);
+    }
     RecordProperty("mode" + std::to_string(m), std::to_string(worst[m]));
     EXPECT_LT(worst[m], tolerances[m]) << "mode " << m;
     close();
@@ -278,6 +294,27 @@ TEST_F(Apertures, MeshesWithoutSeeTheWholeHemisphere) {
   made.meshes[0].visibility.reset();
   openMode(made, ApertureMode::accurate);
   EXPECT_EQ(picture(fromAbove()).pixels, open.pixels);
+}
+
+TEST_F(Apertures, SeeTheDayPassAndLampsMove) {
+  Scene made = floorScene(temporaryFolder(), square({{0, 1, 0}, 1.4f}, 0.9f));
+  made.lighting->areaLights = {{{0.0f, 0.8f, 0.0f}, 0.3f, {2, 2, 2}, 1}};
+  Node& lamp = made.nodes.emplace_back();
+  lamp.name = "lamp";
+  AnimationChannel channel;
+  channel.node = 1;
+  channel.times = {0.0, 1.0};
+  channel.values = {{-1.0, 0.0, 0.0, 0.0}, {1.0, 0.0, 0.0, 0.0}};
+  made.animations.push_back({"lamp", {channel}});
+  const fs::path file = temporaryFolder() / "moving.gltf";
+  ASSERT_TRUE(writeScene(file, made).ok());
+  open(file, {64, 48, 1, {}, {}, ApertureMode::fast, Daylight{12.0, 12.0}});
+  const Image noon = picture(fromAbove(), 0.0), night = picture(fromAbove(), 1.0 - 1e-9);
+  const glm::ivec2 left = pixelOf(renderer, fromAbove(), {-1.0, 0.0, 0.0}), right = pixelOf(renderer, fromAbove(), {1.0, 0.0, 0.0});
+  EXPECT_GT(at(noon, left.x, left.y, 1), at(noon, right.x, right.y, 1) + 0.05f) << "the lamp stands on the left";
+  EXPECT_GT(at(night, right.x, right.y, 1), at(night, left.x, left.y, 1) + 0.05f) << "and is gone to the right";
+  EXPECT_LT(at(night, left.x, left.y, 1), 0.1f) << "where it is night";
+  EXPECT_GT(at(noon, right.x, right.y, 1), 0.3f);
 }
 
 TEST_F(Apertures, CostNothingWhereThereAreNone) {

@@ -60,7 +60,7 @@ TEST(CapReference, AreaAgreesWithCountingDirections) {
 TEST(Caps, IntersectWithinTheStatedError) {
   for (const PairKind kind : kKinds) {
     double worst = 0.0;
-    for (const CapPair& pair : makePairs(kind, 4000, 1)) {
+    for (const CapPair& pair : makePairs(kind, 2000, 1)) {
       const float area = shared::capIntersection(pair.first.w, pair.second.w, pair.normal.w);
       ASSERT_TRUE(std::isfinite(area)) << pair.first.w << " " << pair.second.w << " " << pair.normal.w;
       worst = std::max(worst, errorOf(area, truth(pair), pair));
@@ -92,7 +92,7 @@ TEST(Caps, StayFiniteAtEveryBorder) {
 TEST(Caps, FastBeatsSmoothstepOnEveryKind) {
   for (const PairKind kind : {PairKind::generic, PairKind::small, PairKind::sun, PairKind::tangent, PairKind::hemispherical}) {
     double ours = 0.0, ourSquares = 0.0, theirs = 0.0, theirSquares = 0.0;
-    for (const CapPair& pair : makePairs(kind, 4000, 2)) {
+    for (const CapPair& pair : makePairs(kind, 1500, 2)) {
       const double fast = errorOf(shared::capIntersectionFast(pair.first.w, pair.second.w, pair.normal.w), truth(pair), pair);
       const double smooth = errorOf(shared::capIntersectionSmoothstep(pair.first.w, pair.second.w, pair.normal.w), truth(pair), pair);
       ours = std::max(ours, fast);
@@ -157,7 +157,7 @@ TEST(Caps, CosineIntegralIsWithinTheStatedError) {
   std::mt19937 random(4);
   double worst = 0.0;
   for (const PairKind kind : kKinds)
-    for (CapPair pair : makePairs(kind, 60, 6)) {
+    for (CapPair pair : makePairs(kind, 40, 6)) {
       if (random() % 2) pair.normal = glm::vec4(lowNormal(pair, random), pair.normal.w);
       const float d = shared::capDistance(glm::vec3(pair.first), glm::vec3(pair.second));
       pair.normal.w = d;

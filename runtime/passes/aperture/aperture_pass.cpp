@@ -87,7 +87,7 @@ void destroyAperturePass(const Device& device, AperturePass& pass) {
   pass = {};
 }
 
-std::vector<ApertureLight> apertureLights(const Lighting& lighting, const glm::dvec3& eye) {
+std::vector<ApertureLight> apertureLights(const Lighting& lighting, std::span<const glm::dmat4> worldFromNode, const glm::dvec3& eye) {
   std::vector<ApertureLight> lights;
   if (lighting.sun && shines(lighting.sun->colour)) {
     const double radius = std::clamp(static_cast<double>(lighting.sun->angularRadius), kSmallestSun, 1.5);
@@ -98,7 +98,9 @@ std::vector<ApertureLight> apertureLights(const Lighting& lighting, const glm::d
   for (const AreaLight& light : lighting.areaLights) {
     if (lights.size() == shared::kMaxApertureLights) break;
     if (!shines(light.colour) || light.radius <= 0.0f) continue;
-    lights.push_back({glm::vec4(glm::dvec3(light.position) - eye, light.radius), glm::vec4(light.colour, 0.0f)});
+    glm::dvec3 place(light.position);
+    if (light.node >= 0) place = glm::dvec3(worldFromNode[static_cast<std::size_t>(light.node)] * glm::dvec4(place, 1.0));
+    lights.push_back({glm::vec4(place - eye, light.radius), glm::vec4(light.colour, 0.0f)});
   }
   return lights;
 }

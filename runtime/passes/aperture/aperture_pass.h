@@ -1,6 +1,7 @@
 // The aperture pass: light of a scene with apertures, over what the shade pass made of its pixels (aperture.h has the formulas).
 #pragma once
 
+#include <span>
 #include <vector>
 
 #include <glm/mat4x4.hpp>
@@ -37,9 +38,11 @@ struct ApertureInputs {
 Result<AperturePass> makeAperturePass(const Device& device, const ApertureInputs& inputs, ApertureMode mode);
 void destroyAperturePass(const Device& device, AperturePass& pass);
 
-/// The lights of a scene as the pass takes them, seen from `eye`: the sun first, then the spheres. Those without colour or size give no
-/// light and are left out; at most shared::kMaxApertureLights are returned.
-std::vector<shared::ApertureLight> apertureLights(const Lighting& lighting, const glm::dvec3& eye);
+/// The lights of a scene as the pass takes them, seen from `eye`: the sun first, then the spheres, where `worldFromNode` (one matrix for
+/// each node) takes those that move with one. Those without colour or size give no light and are left out; at most
+/// shared::kMaxApertureLights are returned.
+std::vector<shared::ApertureLight> apertureLights(const Lighting& lighting, std::span<const glm::dmat4> worldFromNode,
+                                                  const glm::dvec3& eye);
 
 /// What the frame's camera and sky are.
 struct ApertureView {

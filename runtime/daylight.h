@@ -1,0 +1,21 @@
+// Daylight: sun and sky of a scene by the time of day (Oat and Sander 2006, section 8.4.4: blue by day, red or pink at sunset, deep blue
+// at night).
+#pragma once
+
+#include "formats/lighting.h"
+
+namespace overcast {
+
+/// A day that passes while a scene plays.
+struct Daylight {
+  double start = 12.0;          ///< hours at time 0, any number; 12: the sun is highest
+  double hoursPerSecond = 0.0;  ///< how fast the day passes
+};
+
+/// `lighting` with sun and sky as they are at `hours` (taken modulo 24): the sun of an equinox at 45 degrees, rising in the east at 6,
+/// south at 12, where east is cross(up, z) (x for up = y) and south cross(east, up). The colours of `lighting` are those of a sun in the
+/// zenith (a scene without a sun gets a white one of irradiance 3); on its way through the air (Kasten and Young 1989) the sun loses blue
+/// first, and is gone when its disc has set. Everything else stays as it was.
+Lighting lightingAt(const Lighting& lighting, double hours);
+
+}  // namespace overcast
