@@ -127,6 +127,26 @@ std::vector<GeometryDraw> drawsOf(const RuntimeScene& scene) {
   return draws;
 }
 
+/// What a frame is seen by.
+struct Seen {
+  glm::dmat4 clipFromRelative{1.0};
+  glm::dvec3 eye{0.0};
+};
+
+/// Light of all pixels: through apertures where the scene has them, else from the pyramid.
+void recordLight(VkCommandBuffer commands, FrameRenderer& renderer, const Lighting& lighting, const std::vector<glm::dmat4>& nodes,
+                 const Seen& seen) {
+  FrameTargets& targets = renderer.targets;
+  if (targets.aperture) {
+    const ApertureView view{seen.clipFromRelative, seen.eye, lighting.skyColour};
+    timed(commands, renderer.timer, FramePass::aperture,
+          [&] { recordAperture(commands, *targets.aperture, renderer.grid, apertureLights(lighting, nodes, seen.eye), view); });
+    return;
+  }
+  const ShadeView view{seen.clipFromRelative, seen.eye, lighting.skyColour, lighting.up};
+  timed(commands, renderer.timer, FramePass::shade, [&] { recordShade(commands, targets.shade, renderer.grid, view); });
+}
+
 Image imageOf(const GpuImage& image, std::vector<std::string> channels) {
   Image out;
   out.width = static_cast<int>(image.extent.width);
@@ -189,23 +209,13 @@ void recordFrame(VkCommandBuffer commands, FrameRenderer& renderer, const Runtim
   beginPass(commands, timer, 0, static_cast<std::uint32_t>(FramePass::composite));
   if (recordComposite(commands, renderer.composite, placed.occluders)) {
     endPass(commands, timer, 0, static_cast<std::uint32_t>(FramePass::composite));
-    timed(commands, timer, FramePass::pyramid, [&] { recordPyramid(commands, renderer.pyramid); });
+    if (!targets.aperture) timed(commands, timer, FramePass::pyramid, [&] { recordPyramid(commands, renderer.pyramid); });
   }
   timed(commands, timer, FramePass::geometry,
         [&] { recordGeometry(commands, renderer.geometry, targets.images, placed.instances, drawsOf(scene), glm::mat4(clip)); });
   const std::optional<Daylight>& day = renderer.settings.daylight;
   const Lighting lighting = day ? lightingAt(scene.lighting, day->start + day->hoursPerSecond * time) : scene.lighting;
-  ShadeView shade;
-  shade.clipFromRelative = clip;
-  shade.eye = eye(view);
-  shade.skyColour = lighting.skyColour;
-  shade.up = lighting.up;
-  timed(commands, timer, FramePass::shade, [&] { recordShade(commands, targets.shade, renderer.grid, shade); });
-  if (targets.aperture)
-    timed(commands, timer, FramePass::aperture, [&] {
-      const ApertureView seen{clip, eye(view), lighting.skyColour};
-      recordAperture(commands, *targets.aperture, renderer.grid, apertureLights(lighting, nodes, seen.eye), seen);
-    });
+  recordLight(commands, renderer, lighting, nodes, {clip, eye(view)});
   const TonemapView shown{glm::mat4(glm::inverse(clip)), lighting.skyColour, lighting.up, lighting.exposure};
   timed(commands, timer, FramePass::tonemap, [&] { recordTonemap(commands, targets.tonemap, shown); });
 }

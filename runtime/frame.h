@@ -1,6 +1,7 @@
 // Frame: the ordered passes that this scene needs, from a point in time to a picture:
-//   transforms -> composite -> pyramid -> geometry -> shade -> (aperture) -> tonemap
-// Composite and pyramid are skipped while nothing moves; the aperture pass exists only for scenes with apertures. The same scene, time,
+//   transforms -> composite -> pyramid -> geometry -> shade -> tonemap
+// Composite and pyramid are skipped while nothing moves. Scenes with apertures have the aperture pass in place of pyramid and shade; to
+// others it costs nothing. The same scene, time,
 // view and settings give the same bytes on one device, whatever frames came before.
 #pragma once
 

@@ -113,6 +113,24 @@ TEST(ApertureFormulas, SkyFillsWhatLightsLeave) {
   EXPECT_EQ(shared::skyShare(0.0f, 0.0f), 1.0f);
 }
 
+TEST(ApertureFormulas, SkyConesFillTheAperture) {
+  std::mt19937 random(9);
+  for (int i = 0; i < 200; ++i) {
+    const auto uniform = [&] { return static_cast<double>(random()) / 4294967296.0; };
+    glm::vec3 axis = tilted(kPi * uniform(), 2.0 * kPi * uniform());
+    if (i == 0) axis = {0, -1, 0};
+    const float radius = static_cast<float>(0.5 * kPi * uniform());
+    glm::vec3 sum(0.0f);
+    for (int cone = 0; cone < shared::kSkyCones; ++cone) {
+      const glm::vec3 along = shared::skyConeAxis({axis, radius}, cone);
+      EXPECT_NEAR(glm::length(along), 1.0f, 2e-4f);
+      EXPECT_LT(shared::capDistance(along, axis), radius + 1e-4f);
+      sum += along;
+    }
+    EXPECT_LT(glm::distance(glm::normalize(sum), axis), 2e-4f) << "evenly about the axis";
+  }
+}
+
 class Apertures : public Frames {
  protected:
   void openMode(const Scene& made, ApertureMode mode) {
@@ -159,7 +177,7 @@ glm::dvec3 floorPoint(const glm::ivec2& pixel) {
 
 TEST_F(Apertures, LightTheFloorAsCountedDirectionsDo) {
   const Aperture aperture{tilted(0.5, 0.8), 0.9f};
-  const float ambient = 0.4f;  // less than the volume leaves on open ground
+  const float ambient = 0.4f;
   const Scene made = floorScene(temporaryFolder(), square(aperture, ambient));
   std::vector<std::pair<glm::ivec2, glm::dvec3>> expected;
   for (const int x : {12, 22, 32, 43, 52})
@@ -236,18 +254,25 @@ TEST_F(Apertures, AreNeverBelowZeroNorNotANumber) {
   }
 }
 
+/// bakedScene's floor with open apertures and its ball over it.
+Scene ballOverFloor(const fs::path& folder, const glm::dvec3& ball) {
+  Scene scene = bakedScene(folder, {.animated = false, .camera = false, .resolution = 128});
+  scene.nodes.resize(2);
+  Mesh& floor = scene.meshes[0];
+  const std::size_t vertices = floor.positions.size();
+  floor.normals.assign(vertices, {0, 1, 0});
+  floor.visibility = VertexVisibility{ApertureBits::packed64,
+                                      std::vector<Aperture>(vertices, Aperture{{0, 1, 0}, shared::kApertureWidest}),
+                                      std::vector<float>(vertices, 1.0f),
+                                      {}};
+  scene.nodes[1].translation = ball;
+  return scene;
+}
+
 TEST_F(Apertures, LightsAreShadowedByOtherObjectsOnly) {
   // A ball over the floor, a lamp above: the share of the lamp that the ball leaves is known from caps.
-  Scene made = bakedScene(temporaryFolder(), {.animated = false, .camera = false, .resolution = 128});
-  made.nodes.resize(2);
-  made.meshes[0].normals = std::vector<glm::vec3>(made.meshes[0].positions.size(), {0, 1, 0});
-  made.meshes[0].visibility =
-      VertexVisibility{ApertureBits::packed64,
-                       std::vector<Aperture>(made.meshes[0].positions.size(), Aperture{{0, 1, 0}, shared::kApertureWidest}),
-                       std::vector<float>(made.meshes[0].positions.size(), 1.0f),
-                       {}};
   const glm::dvec3 ball(0.0, 0.8, 0.0), lamp(0.6, 3.5, 0.2);
-  made.nodes[1].translation = ball;
+  Scene made = ballOverFloor(temporaryFolder(), ball);
   made.lighting->skyColour = {0, 0, 0};
   for (const double size : {0.05, 0.6}) {
     made.lighting->areaLights = {{glm::vec3(lamp), static_cast<float>(size), {10, 10, 10}}};
@@ -277,6 +302,26 @@ TEST_F(Apertures, LightsAreShadowedByOtherObjectsOnly) {
     EXPECT_LT(error, size < 0.1 ? 0.08 : 0.04) << "lamp of radius " << size;
     close();
   }
+}
+
+TEST_F(Apertures, SkyIsWhatOtherObjectsLeave) {
+  const glm::dvec3 ball(0.0, 0.8, 0.0);
+  openMode(ballOverFloor(temporaryFolder(), ball), ApertureMode::exact);
+  const View view = lookAt({0.0, 5.0, 4.0}, {0.0, 0.0, 0.0}, {0, 1, 0}, 0.6);
+  ASSERT_TRUE(resizeFrames(device, renderer, 160, 120).ok());
+  const Image image = picture(view);
+  double squares = 0.0, covered = 0.0;
+  int count = 0;
+  for (double x = -1.6; x < 1.6; x += 0.1, ++count) {
+    const glm::dvec3 point(x, 0.0, 0.55), way = ball - point;
+    // The form factor of a sphere above the horizon.
+    const double taken = 0.25 * way.y / std::pow(glm::length(way), 3.0);
+    const glm::ivec2 pixel = pixelOf(renderer, view, point);
+    squares += std::pow(static_cast<double>(at(image, pixel.x, pixel.y, channelIndex(image, "sky"))) - (1.0 - taken), 2.0);
+    covered += taken * taken;
+  }
+  RecordProperty("rmse", std::to_string(std::sqrt(squares / count)));
+  EXPECT_LT(squares, 0.25 * covered) << "half the error of leaving the ball out";
 }
 
 TEST_F(Apertures, MeshesWithoutSeeTheWholeHemisphere) {

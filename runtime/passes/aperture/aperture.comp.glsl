@@ -1,4 +1,4 @@
-// One thread per pixel: light through the aperture that the geometry pass left, over what the shade pass made of the pixel.
+// One thread per pixel: light through the aperture that the geometry pass left.
 // OVERCAST_APERTURE_MODE: one of kAperture....; OVERCAST_OTHERS: the scene has more than one object.
 #version 460
 #include "runtime/passes/aperture/aperture.h"
@@ -10,7 +10,7 @@ layout(set = 0, binding = 0) uniform sampler2D depthImage;
 layout(set = 0, binding = 1) uniform sampler2D normalImage;
 layout(set = 0, binding = 2) uniform sampler2D colourImage;
 layout(set = 0, binding = 3) uniform usampler2D apertureImage;
-layout(set = 0, binding = 4, rgba16f) uniform image2D lightImage;
+layout(set = 0, binding = 4, rgba16f) uniform writeonly image2D lightImage;
 layout(set = 0, binding = 5, std430) readonly buffer Lights { ApertureLight lights[]; };
 
 #ifdef OVERCAST_OTHERS
@@ -32,6 +32,20 @@ float clearOfOthers(vec3 from, vec3 direction, float radius, float far) {
   return clear;
 }
 
+// Share of the sky of an aperture that other objects leave.
+float skyOfOthers(vec3 from, vec3 normal, vec4 aperture) {
+  float sum = 0.0;
+  float whole = 0.0;
+  for (int i = 0; i < kSkyCones; ++i) {
+    vec3 axis = skyConeAxis(aperture, i);
+    float weight = dot(axis, normal);
+    if (weight <= 0.0) continue;
+    whole += weight;
+    sum += weight * clearOfOthers(from, axis, kSkyConeRadius * aperture.w, 1.0e6);
+  }
+  return whole > 0.0 ? sum / whole : 1.0;
+}
+
 // Voxels from a point to the surface of a light, beyond which nothing stands before it.
 float distanceOf(ApertureLight light, vec3 point) {
   return light.radiance.w > 0.0 ? 1.0e6 : max(distance(light.place.xyz, point) - light.place.w, 0.0) * push.voxel.w;
@@ -43,13 +57,19 @@ void main() {
   ivec2 size = imageSize(lightImage);
   if (any(greaterThanEqual(pixel, size))) return;
   float depth = texelFetch(depthImage, pixel, 0).r;
-  if (depth <= 0.0f) return;
+  if (depth <= 0.0f) {
+    imageStore(lightImage, pixel, vec4(0.0, 0.0, 0.0, kNoSurface));
+    return;
+  }
   uvec2 code = texelFetch(apertureImage, pixel, 0).rg;
   vec4 aperture = apertureFromWords(code.x, code.y);
   vec3 normal = normalize(texelFetch(normalImage, pixel, 0).xyz);
   vec4 p = push.relativeFromClip * vec4((vec2(pixel) + 0.5) / vec2(size) * 2.0 - 1.0, depth, 1.0);
   vec3 point = p.xyz / p.w;
 
+#ifdef OVERCAST_OTHERS
+  vec3 from = push.voxel.xyz + point * push.voxel.w + kConeStart * normal;
+#endif
   vec3 received = vec3(0.0);
   float covered = 0.0;
   for (int i = 0; i < push.lights.x; ++i) {
@@ -57,14 +77,13 @@ void main() {
     covered += share.area;
     if (share.cosine <= 0.0) continue;
 #ifdef OVERCAST_OTHERS
-    vec3 from = push.voxel.xyz + point * push.voxel.w + kConeStart * normal;
     share.cosine *= clearOfOthers(from, share.centre, share.radius, distanceOf(lights[i], point));
 #endif
     received += lights[i].radiance.rgb * share.cosine;
   }
   float sky = ambientFromWord(code.y);
 #ifdef OVERCAST_OTHERS
-  sky = min(sky, imageLoad(lightImage, pixel).a);
+  if (sky > 0.0) sky *= skyOfOthers(from, normal, aperture);
 #endif
   received = received / kCapPi + push.sky.rgb * sky * skyShare(aperture.w, covered);
   imageStore(lightImage, pixel, vec4(texelFetch(colourImage, pixel, 0).rgb * received, sky));

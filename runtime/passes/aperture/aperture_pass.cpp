@@ -114,11 +114,11 @@ void recordAperture(VkCommandBuffer commands, AperturePass& pass, const GlobalGr
   constants.sky = glm::vec4(view.skyColour, 0.0f);
   constants.voxel = glm::vec4((view.eye - grid.origin) / grid.voxelSize, 1.0 / grid.voxelSize);
   constants.lights = glm::ivec4(static_cast<int>(lights.size()), 0, 0, 0);
-  transition(commands, pass.light, kLightReady, kComputeReadWrite);
+  transition(commands, pass.light, kEarlierLight, kComputeWrite);
   bind(commands, pass.pipeline, pass.set);
   push(commands, pass.pipeline, constants);
   vkCmdDispatch(commands, groups(pass.light.extent.width, 8), groups(pass.light.extent.height, 8), 1);
-  transition(commands, pass.light, kComputeReadWrite, kLightReady);
+  transition(commands, pass.light, kComputeWrite, kLightReady);
 }
 
 }  // namespace overcast

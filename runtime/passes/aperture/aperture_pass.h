@@ -29,11 +29,11 @@ struct AperturePass {
   GpuImage light;    ///< ShadePass::light; not owned
 };
 
-/// What a pass reads and rewrites; all must outlive it.
+/// What a pass reads and writes; all must outlive it.
 struct ApertureInputs {
   const GeometryImages& images;         ///< made with apertures
   const GpuImage& light;                ///< ShadePass::light
-  const PyramidPass* others = nullptr;  ///< of the global volume; null where a scene has one object, which then needs none
+  const PyramidPass* others = nullptr;  ///< over the global volume, which alone is read; null: the scene has one object
 };
 Result<AperturePass> makeAperturePass(const Device& device, const ApertureInputs& inputs, ApertureMode mode);
 void destroyAperturePass(const Device& device, AperturePass& pass);
@@ -51,9 +51,9 @@ struct ApertureView {
   glm::vec3 skyColour{1.0f};  ///< Lighting::skyColour
 };
 
-/// Records the pass; outside of rendering, after recordGeometry and recordShade. `grid` is the composite's. Afterwards the light image is
-/// as recordShade leaves it: rgb linear light of sun, spheres and sky, a the sky's visibility. The device must not be reading the lights of
-/// an earlier frame.
+/// Records the pass; outside of rendering, after recordGeometry and recordComposite. `grid` is the composite's. Afterwards the light image
+/// is as recordShade leaves it: rgb linear light of sun, spheres and sky, a what own shape and others leave of the sky. The device must not
+/// be reading the lights of an earlier frame.
 void recordAperture(VkCommandBuffer commands, AperturePass& pass, const GlobalGrid& grid, const std::vector<shared::ApertureLight>& lights,
                     const ApertureView& view);
 

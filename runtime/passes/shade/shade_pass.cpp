@@ -19,11 +19,6 @@ constexpr double kTapResolution = 128.0;
 
 constexpr std::uint32_t kFirstLevelBinding = 4;
 
-/// The last frame's light is no longer read by what shows or saves it.
-constexpr Access kEarlierUse{
-    VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT | VK_PIPELINE_STAGE_2_FRAGMENT_SHADER_BIT | VK_PIPELINE_STAGE_2_ALL_TRANSFER_BIT,
-    VK_ACCESS_2_NONE, VK_IMAGE_LAYOUT_UNDEFINED};
-
 std::vector<Binding> bindings() {
   std::vector<Binding> all{{0, VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER},
                            {1, VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER},
@@ -111,7 +106,7 @@ void recordShade(VkCommandBuffer commands, const ShadePass& pass, const GlobalGr
   for (int half = 0; half < 2; ++half)
     for (int i = 0; i < 4; ++i) constants.weights[half][i] = pass.taps.weights[static_cast<std::size_t>(4 * half + i)];
 
-  transition(commands, pass.light, kEarlierUse, kComputeWrite);
+  transition(commands, pass.light, kEarlierLight, kComputeWrite);
   bind(commands, pass.pipeline, pass.set);
   push(commands, pass.pipeline, constants);
   vkCmdDispatch(commands, groups(pass.light.extent.width, 8), groups(pass.light.extent.height, 8), 1);

@@ -31,6 +31,10 @@ struct SkyTaps {
 /// above 128 adds a tap and each halving leaves one out (rounded, 1 to 8). An Error names an estimator we do not have.
 Result<SkyTaps> skyTaps(const Estimator& estimator, int resolution);
 
+/// The last frame's light is no longer read by what shows or saves it.
+inline constexpr Access kEarlierLight{
+    VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT | VK_PIPELINE_STAGE_2_FRAGMENT_SHADER_BIT | VK_PIPELINE_STAGE_2_ALL_TRANSFER_BIT,
+    VK_ACCESS_2_NONE, VK_IMAGE_LAYOUT_UNDEFINED};
 /// How the light image may be used after recordShade.
 inline constexpr Access kLightReady{
     VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT | VK_PIPELINE_STAGE_2_FRAGMENT_SHADER_BIT | VK_PIPELINE_STAGE_2_ALL_TRANSFER_BIT,
