@@ -69,7 +69,7 @@ Traced makeTraced(const Scene& scene, double time) {
   traced.device = rtcNewDevice(nullptr);
   traced.scene = rtcNewScene(traced.device);
   rtcSetSceneFlags(traced.scene, RTC_SCENE_FLAG_ROBUST);
-  const RTCGeometry geometry = rtcNewGeometry(traced.device, RTC_GEOMETRY_TYPE_TRIANGLE);
+  RTCGeometry geometry = rtcNewGeometry(traced.device, RTC_GEOMETRY_TYPE_TRIANGLE);
   auto* positions = static_cast<glm::vec3*>(
       rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, sizeof(glm::vec3), traced.corners.size()));
   auto* indices = static_cast<std::uint32_t*>(
