@@ -68,6 +68,8 @@ TEST(Layering, AllowedIncludesPass) {
   EXPECT_TRUE(checkSource("formats/volume.cpp", "#include <openvdb/openvdb.h>\n").empty());
   EXPECT_TRUE(checkSource("tests/runtime/composite_test.cpp", "#include \"bake/volume.h\"\n#include \"runtime/frame.h\"\n").empty());
   EXPECT_TRUE(checkSource("runtime/passes/shade/shade.frag.glsl", "#include \"runtime/passes/shade/shade.h\"\n").empty());
+  EXPECT_TRUE(checkSource("tests/bench/x.comp.glsl", "#include \"tests/bench/x.h\"\n").empty());
+  EXPECT_FALSE(checkSource("runtime/x.comp.glsl", "#include \"tests/bench/x.h\"\n").empty());
 }
 
 TEST(Layering, LongFilesAreNamed) {
