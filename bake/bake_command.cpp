@@ -152,7 +152,7 @@ class Run {
     summary_.peakMemory = peakMemory();
     summary_.memoryLimit = memoryLimit(options_);
     if (json_) json_->finish(summary_, options_.dryRun);
-    if (!options_.quiet && good_) bar_.line(summaryLine(summary_));
+    if (!options_.quiet && !json_ && good_) bar_.line(summaryLine(summary_));  // the document says it, too
     if (unwritten_) return kCannotWrite;
     if (!failed_) return kOk;
     return good_ ? kPartial : kBadInput;

@@ -261,7 +261,7 @@ TEST_F(BakeCommand, EveryMeshBecomesWhatSuitsIt) {
 
 TEST_F(BakeCommand, TheErrorAllowedDecidesTheSize) {
   ASSERT_EQ(bake("ring.off -o rough --max-error 0.02 --representation volume --error-samples 1000").exitCode, 0);
-  const ShellResult fine = bake("ring.off -o fine --max-error 0.005 --representation volume --error-samples 1000 --json 2>messages");
+  const ShellResult fine = bake("ring.off -o fine --max-error 0.003 --representation volume --error-samples 1000 --json 2>messages");
   ASSERT_EQ(fine.exitCode, 0);
   EXPECT_THAT(contents(folder / "messages"), HasSubstr("ring.off: 1,024 faces, volume "));
   const nlohmann::json mesh = nlohmann::json::parse(fine.output)["inputs"][0]["meshes"][0];
@@ -272,7 +272,7 @@ TEST_F(BakeCommand, TheErrorAllowedDecidesTheSize) {
   EXPECT_EQ(mesh["occluder"]["measured"]["samples"], 1000);
   const auto stated = [&](const char* name) { return readScene(folder / name / "scene.gltf").value().nodes[0].occluder.value(); };
   EXPECT_LT(stated("rough").bytes, stated("fine").bytes);
-  EXPECT_LE(stated("fine").error.surfaceRms, 0.005 * choice["diagonal"].get<double>());
+  EXPECT_LE(stated("fine").error.surfaceRms, 0.003 * choice["diagonal"].get<double>());
   for (const char* name : {"rough", "fine"}) {
     EXPECT_EQ(bake(fmt::format("validate {}/scene.gltf", name)).exitCode, 0);
     EXPECT_EQ(bake(fmt::format("verify {}/scene.gltf --source ring.off", name)).exitCode, 0);

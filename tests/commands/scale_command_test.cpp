@@ -235,7 +235,9 @@ TEST_F(ScaleCommand, EachNamesWhatFailedAndBakesTheRest) {
   const std::string messages = contents(folder / "messages");
   EXPECT_THAT(messages, HasSubstr("overcast-bake: broken.off: "));
   EXPECT_THAT(messages, HasSubstr("overcast-bake: missing.off: "));
-  EXPECT_THAT(messages, HasSubstr("4 inputs: 2 meshes baked, 0 from the cache, 0 inputs up to date, 2 failed; "));
+  EXPECT_THAT(messages, Not(HasSubstr("4 inputs"))) << "the document says it";
+  EXPECT_THAT(bake(fmt::format("@list.txt --each {} -o again", kQuick)).output,
+              HasSubstr("4 inputs: 2 meshes baked, 0 from the cache, 0 inputs up to date, 2 failed; "));
   const json document = json::parse(baked.output);
   EXPECT_EQ(document["inputs"].size(), 4u);
   EXPECT_EQ(document["inputs"][1]["errors"].size(), 1u);
