@@ -92,9 +92,7 @@ class Run {
     for (const std::string& note : notes) bar_.line(fmt::format("{}: note: {}", source, note));
   }
 
-  void say(const std::string& source, const ApertureReport& apertures) {
-    bar_.line(fmt::format("{}: {}", source, summaryLine(apertures)));
-  }
+  void say(const std::string& source, const ApertureReport& apertures) { bar_.line(fmt::format("{}: {}", source, summaryLine(apertures))); }
 
   void say(const MeshBake& mesh) {
     if (mesh.asset) {

@@ -46,7 +46,7 @@ std::vector<fs::path> filesOf(const fs::path& input) {
 /// Hash of all that decides what the job makes; nothing when an input cannot be read, which reading it in earnest will explain.
 std::optional<std::string> keyOf(const BakeJob& job, const std::vector<std::vector<fs::path>>& files) {
   std::string text = fmt::format("scene {} {}", programHash(), job.name);
-  if (job.apertures) text += "\n" + settingsText(*job.apertures);
+  if (job.apertures) text += fmt::format("\n{}", settingsText(*job.apertures));
   for (std::size_t i = 0; i < job.inputs.size(); ++i) {
     text += fmt::format("\n{}\n{}", job.inputs[i].filename().string(), settingsText(job.settings[i]));
     for (const fs::path& file : files[i]) {
@@ -133,6 +133,8 @@ class Runner {
     if (options_.context.done && outcome.value() == Restored::rewritten)
       for (const MeshBake& mesh : report_.bake.meshes)
         if (mesh.sameAs < 0) options_.context.done(mesh);
+    if (options_.lit && outcome.value() == Restored::rewritten)
+      for (const MeshBake& mesh : report_.bake.meshes) options_.lit(mesh);
     for (const OutputFile& file : record->files)
       if (!options_.dryRun || &file == &record->files.back()) report_.files.push_back(job_.folder / file.path);
     return true;

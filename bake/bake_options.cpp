@@ -124,7 +124,7 @@ Result<BakeSettings> settle(const Config& config, const SettingsLayer& top, cons
 Result<std::vector<BakeJob>> jobsOf(const BakeOptions& options, std::vector<InputFile>& files) {
   std::vector<BakeJob> jobs;
   if (!options.each) {
-    BakeJob job{{}, {}, options.folder, options.name};
+    BakeJob job{{}, {}, options.folder, options.name, {}};
     for (const InputFile& file : files) job.inputs.push_back(file.path);
     if (job.name.empty()) job.name = outputName(job.inputs);
     jobs.push_back(std::move(job));
@@ -136,7 +136,7 @@ Result<std::vector<BakeJob>> jobsOf(const BakeOptions& options, std::vector<Inpu
   if (!folders) return folders.error();
   for (std::size_t i = 0; i < files.size(); ++i) {
     const std::string name = options.name.empty() ? outputName({files[i].path}) : options.name;
-    jobs.push_back({{files[i].path}, {}, options.folder / folders.value()[i], name});
+    jobs.push_back({{files[i].path}, {}, options.folder / folders.value()[i], name, {}});
   }
   return jobs;
 }

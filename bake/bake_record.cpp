@@ -42,11 +42,23 @@ void fields(Archive& archive, EncodedAsset& asset) {
 }
 
 template <class Archive>
+void fields(Archive& archive, InterpolationError& error) {
+  auto& [radius, ambient, direction] = error;
+  archive(radius, ambient, direction);
+}
+
+template <class Archive>
+void fields(Archive& archive, ApertureReport& report) {
+  auto& [vertices, points, interior, shut, rays, seconds, samples, sampled, error, fitted] = report;
+  archive(vertices, points, interior, shut, rays, seconds, samples, sampled, error, fitted);
+}
+
+template <class Archive>
 void fields(Archive& archive, MeshBake& bake) {
   auto& [mesh, input, source, sameAs, hash, faces, seconds, cached, asset, volume, found, ambiguousSign, sheetTriangles, surface, inBox,
-         choice, error, occluder] = bake;
+         choice, apertures, error, occluder] = bake;
   archive(mesh, input, source, sameAs, hash, faces, seconds, asset, volume, found, ambiguousSign, sheetTriangles, surface, inBox, choice,
-          occluder);
+          apertures, occluder);
 }
 
 template <class Archive>

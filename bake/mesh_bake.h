@@ -48,12 +48,12 @@ struct MeshBake {
   std::optional<EncodedAsset> asset;  ///< as stored; empty when shared or failed
   std::optional<VolumeShape> volume;  ///< of a volume
   MeshDiagnosis found;
-  double ambiguousSign = 0.0;          ///< BakedVolume or Probes
-  std::uint64_t sheetTriangles = 0;    ///< BakedVolume
-  SurfaceReport surface;               ///< thin: a voxel of a volume, a hundredth of the diagonal of anything else
-  std::optional<MeasuredError> inBox;  ///< BakedVolume::error, without choice
-  std::optional<ChoiceRecord> choice;  ///< with choice
-  std::optional<ApertureReport> apertures;  ///< where vertices were given apertures (bake/scene_apertures.h), unless out of the cache
+  double ambiguousSign = 0.0;               ///< BakedVolume or Probes
+  std::uint64_t sheetTriangles = 0;         ///< BakedVolume
+  SurfaceReport surface;                    ///< thin: a voxel of a volume, a hundredth of the diagonal of anything else
+  std::optional<MeasuredError> inBox;       ///< BakedVolume::error, without choice
+  std::optional<ChoiceRecord> choice;       ///< with choice
+  std::optional<ApertureReport> apertures;  ///< where vertices were given apertures (bake/scene_apertures.h)
   std::optional<Error> error;
   Occluder occluder;  ///< with `asset`: all of it but the uri and the source, which writeBake fills in
 };

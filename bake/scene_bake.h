@@ -40,13 +40,16 @@ struct SceneBake {
 /// Puts the inputs side by side into one scene, as they lie: their roots become its roots. The first lighting found is kept.
 SceneBake joinInputs(std::vector<BakeInput> inputs);
 
+/// Called from any thread when a mesh is done.
+using MeshDone = std::function<void(const MeshBake&)>;
+
 /// What bakes share with each other and tell others. Everything may be left out.
 struct BakeContext {
   Cache* cache = nullptr;
   KeyLocks* locks = nullptr;     ///< with a cache: no two threads bake the same mesh
   MemoryGate* memory = nullptr;  ///< keeps meshes waiting that would not fit into memory
   Progress progress;
-  std::function<void(const MeshBake&)> done;  ///< called from any thread when a mesh is done
+  MeshDone done;
 };
 
 /// Bakes every distinct mesh, or takes it from the cache, several at once on the calling TBB arena. Failures land in MeshBake::error.
