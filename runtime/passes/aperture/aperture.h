@@ -107,8 +107,8 @@ OVERCAST_INLINE ApertureShare apertureShare(int mode, vec3 normal, vec4 aperture
 }
 
 /// Cones that stand for the whole aperture: one about its axis, the others around it, narrower than their share of it so that the object's
-/// own shape does not reach into them. Number, tilt and radius were chosen on one scanned statue on a floor (`./run lighting`): five erred by
-/// two thirds of what one did, and seven by no less.
+/// own shape does not reach into them. Number, tilt and radius were chosen on one scanned statue on a floor (`./run lighting`): five erred
+/// by two thirds of what one did, and seven by no less.
 const int kSkyCones = 5;
 const float kSkyConeTilt = 0.6f;    ///< of the outer ones' axes, times the aperture's radius
 const float kSkyConeRadius = 0.4f;  ///< times the aperture's radius
