@@ -34,6 +34,7 @@ void destroyTargets(const Device& device, FrameTargets& targets) {
   if (targets.aperture) destroyAperturePass(device, *targets.aperture);
   targets.aperture.reset();
   destroyShadePass(device, targets.shade);
+  destroyImage(device, targets.light);
   destroyGeometryImages(device, targets.images);
 }
 
@@ -43,12 +44,13 @@ Result<Done> makeTargets(const Device& device, FrameRenderer& renderer) {
   const VkExtent2D full{static_cast<std::uint32_t>(settings.width * settings.supersample),
                         static_cast<std::uint32_t>(settings.height * settings.supersample)};
   Result<Done> done = take(makeGeometryImages(device, full, renderer.apertures), targets.images);
-  if (done) done = take(makeShadePass(device, targets.images, renderer.pyramid, renderer.taps), targets.shade);
+  if (done) done = take(makeLightImage(device, targets.images), targets.light);
+  if (done) done = take(makeShadePass(device, targets.images, targets.light, renderer.pyramid, renderer.taps), targets.shade);
   if (done && renderer.apertures) {
-    const ApertureInputs inputs{targets.images, targets.shade.light, renderer.manyObjects ? &renderer.pyramid : nullptr};
+    const ApertureInputs inputs{targets.images, targets.light, renderer.manyObjects ? &renderer.pyramid : nullptr};
     done = take(makeAperturePass(device, inputs, settings.apertureMode), targets.aperture.emplace());
   }
-  if (done) done = take(makeTonemapPass(device, targets.shade.light, settings.supersample), targets.tonemap);
+  if (done) done = take(makeTonemapPass(device, targets.light, settings.supersample), targets.tonemap);
   return done;
 }
 

@@ -42,6 +42,7 @@ enum class FramePass { composite, pyramid, geometry, shade, tonemap, aperture };
 /// What depends on the size of the picture.
 struct FrameTargets {
   GeometryImages images;
+  GpuImage light;  ///< makeLightImage
   ShadePass shade;
   std::optional<AperturePass> aperture;  ///< of scenes with apertures
   TonemapPass tonemap;

@@ -65,7 +65,8 @@ class Shade : public test::DeviceTest {
     const SkyTaps taps = skyTaps(setting.estimator, kSide).value();
     PyramidPass pyramid = makePyramidPass(device, volume, taps.count).value();
     GeometryImages images = uploadGround(ground, setting);
-    ShadePass pass = makeShadePass(device, images, pyramid, taps).value();
+    GpuImage light = makeLightImage(device, images).value();
+    ShadePass pass = makeShadePass(device, images, light, pyramid, taps).value();
     const ShadeView view{viewFromAbove(setting.grid, setting.eye, setting.left, setting.right, kSide), setting.eye, setting.skyColour,
                          glm::vec3(kUp)};
     const Result<Done> done = runCommands(device, [&](VkCommandBuffer commands) {
@@ -73,7 +74,7 @@ class Shade : public test::DeviceTest {
       recordShade(commands, pass, setting.grid, view);
     });
     EXPECT_TRUE(done.ok());
-    const std::vector<std::byte> bytes = readImage(device, pass.light, kComputeSample).value();
+    const std::vector<std::byte> bytes = readImage(device, light, kComputeSample).value();
     std::vector<Pixel> pixels(bytes.size() / 8);
     for (std::size_t n = 0; n < pixels.size(); ++n) {
       std::uint64_t packed = 0;
@@ -82,6 +83,7 @@ class Shade : public test::DeviceTest {
       pixels[n] = {glm::vec3(value), value.w};
     }
     destroyShadePass(device, pass);
+    destroyImage(device, light);
     destroyGeometryImages(device, images);
     destroyPyramidPass(device, pyramid);
     destroyImage(device, volume);

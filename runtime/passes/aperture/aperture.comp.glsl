@@ -2,16 +2,15 @@
 // OVERCAST_APERTURE_MODE: one of kAperture....; OVERCAST_OTHERS: the scene has more than one object.
 #version 460
 #include "runtime/passes/aperture/aperture.h"
-#include "runtime/passes/shade/shade.h"
+#include "runtime/passes/screen/screen.glsl"
 
-layout(local_size_x = 8, local_size_y = 8) in;
-layout(push_constant) uniform Push { AperturePush push; };
-layout(set = 0, binding = 0) uniform sampler2D depthImage;
-layout(set = 0, binding = 1) uniform sampler2D normalImage;
-layout(set = 0, binding = 2) uniform sampler2D colourImage;
-layout(set = 0, binding = 3) uniform usampler2D apertureImage;
-layout(set = 0, binding = 4, rgba16f) uniform writeonly image2D lightImage;
-layout(set = 0, binding = 5, std430) readonly buffer Lights { ApertureLight lights[]; };
+layout(push_constant) uniform Push {
+  AperturePush push;
+};
+layout(set = 0, binding = 4) uniform usampler2D apertureImage;
+layout(set = 0, binding = 5, std430) readonly buffer Lights {
+  ApertureLight lights[];
+};
 
 #ifdef OVERCAST_OTHERS
 layout(set = 0, binding = 6) uniform sampler3D volume;
@@ -53,19 +52,12 @@ float distanceOf(ApertureLight light, vec3 point) {
 #endif
 
 void main() {
-  ivec2 pixel = ivec2(gl_GlobalInvocationID);
-  ivec2 size = imageSize(lightImage);
-  if (any(greaterThanEqual(pixel, size))) return;
-  float depth = texelFetch(depthImage, pixel, 0).r;
-  if (depth <= 0.0f) {
-    imageStore(lightImage, pixel, vec4(0.0, 0.0, 0.0, kNoSurface));
-    return;
-  }
+  ivec2 pixel;
+  vec3 point;
+  if (!surfaceOfThread(push.relativeFromClip, pixel, point)) return;
   uvec2 code = texelFetch(apertureImage, pixel, 0).rg;
   vec4 aperture = apertureFromWords(code.x, code.y);
   vec3 normal = normalize(texelFetch(normalImage, pixel, 0).xyz);
-  vec4 p = push.relativeFromClip * vec4((vec2(pixel) + 0.5) / vec2(size) * 2.0 - 1.0, depth, 1.0);
-  vec3 point = p.xyz / p.w;
 
 #ifdef OVERCAST_OTHERS
   vec3 from = push.voxel.xyz + point * push.voxel.w + kConeStart * normal;
@@ -86,5 +78,5 @@ void main() {
   if (sky > 0.0) sky *= skyOfOthers(from, normal, aperture);
 #endif
   received = received / kCapPi + push.sky.rgb * sky * skyShare(aperture.w, covered);
-  imageStore(lightImage, pixel, vec4(texelFetch(colourImage, pixel, 0).rgb * received, sky));
+  writeLight(pixel, received, sky);
 }

@@ -10,8 +10,6 @@
 #include <glm/geometric.hpp>
 #include <glm/matrix.hpp>
 
-#include "runtime/passes/shade/shade_pass.h"
-
 namespace overcast {
 
 using shared::ApertureLight;
@@ -34,36 +32,24 @@ bool shines(const glm::vec3& colour) {
 }
 
 Result<Done> fill(const Device& device, const ApertureInputs& inputs, ApertureMode mode, AperturePass& pass) {
-  const Result<VkSampler> nearest = makeSampler(device, VK_FILTER_NEAREST);
-  if (!nearest) return nearest.error();
-  pass.nearest = nearest.value();
+  constexpr std::uint32_t kAperture = kFirstScreenBinding, kLights = kAperture + 1, kVolume = kAperture + 2;
   const Result<GpuBuffer> lights =
       makeBuffer(device, shared::kMaxApertureLights * sizeof(ApertureLight), VK_BUFFER_USAGE_STORAGE_BUFFER_BIT, MemoryUse::upload);
   if (!lights) return lights.error();
   pass.lights = lights.value();
   Shader shader{"runtime/passes/aperture/aperture.comp.glsl", {{"OVERCAST_APERTURE_MODE", fmt::format("{}", static_cast<int>(mode))}}};
-  std::vector<Binding> bindings;
-  for (std::uint32_t i = 0; i < 4; ++i) bindings.push_back({i, VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER});
-  bindings.push_back({4, VK_DESCRIPTOR_TYPE_STORAGE_IMAGE});
-  bindings.push_back({5, VK_DESCRIPTOR_TYPE_STORAGE_BUFFER});
+  std::vector<Binding> own{{kAperture, VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER}, {kLights, VK_DESCRIPTOR_TYPE_STORAGE_BUFFER}};
   if (inputs.others) {
     shader.defines.push_back({"OVERCAST_OTHERS", "1"});
-    bindings.push_back({6, VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER});
+    own.push_back({kVolume, VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER});
   }
-  Result<Pipeline> pipeline = makeComputePipeline(device, {shader, bindings, sizeof(AperturePush)});
-  if (!pipeline) return pipeline.error();
-  pass.pipeline = std::move(pipeline).value();
-  Result<DescriptorSet> set = makeDescriptorSet(device, pass.pipeline);
-  if (!set) return set.error();
-  pass.set = std::move(set).value();
-  const GeometryImages& images = inputs.images;
-  writeSampledImage(device, pass.set, 0, images.depth.view, pass.nearest);
-  writeSampledImage(device, pass.set, 1, images.normal.view, pass.nearest);
-  writeSampledImage(device, pass.set, 2, images.colour.view, pass.nearest);
-  writeSampledImage(device, pass.set, 3, images.aperture.view, pass.nearest);
-  writeStorageImage(device, pass.set, 4, pass.light.mipViews[0]);
-  writeBuffer(device, pass.set, 5, pass.lights);
-  if (inputs.others) writeSampledImage(device, pass.set, 6, inputs.others->views[0], inputs.others->sampler, VK_IMAGE_LAYOUT_GENERAL);
+  Result<ScreenPass> screen = makeScreenPass(device, inputs.images, inputs.light, shader, own, sizeof(AperturePush));
+  if (!screen) return screen.error();
+  pass.screen = std::move(screen).value();
+  writeSampledImage(device, pass.screen.set, kAperture, inputs.images.aperture.view, pass.screen.nearest);
+  writeBuffer(device, pass.screen.set, kLights, pass.lights);
+  if (inputs.others)
+    writeSampledImage(device, pass.screen.set, kVolume, inputs.others->views[0], inputs.others->sampler, VK_IMAGE_LAYOUT_GENERAL);
   return Done{};
 }
 
@@ -72,7 +58,6 @@ Result<Done> fill(const Device& device, const ApertureInputs& inputs, ApertureMo
 Result<AperturePass> makeAperturePass(const Device& device, const ApertureInputs& inputs, ApertureMode mode) {
   OVERCAST_REQUIRE(inputs.images.aperture.image != VK_NULL_HANDLE, "the geometry images have no apertures");
   AperturePass pass;
-  pass.light = inputs.light;
   const Result<Done> filled = fill(device, inputs, mode, pass);
   if (filled) return pass;
   destroyAperturePass(device, pass);
@@ -80,10 +65,8 @@ Result<AperturePass> makeAperturePass(const Device& device, const ApertureInputs
 }
 
 void destroyAperturePass(const Device& device, AperturePass& pass) {
-  destroyDescriptorSet(device, pass.set);
-  destroyPipeline(device, pass.pipeline);
+  destroyScreenPass(device, pass.screen);
   destroyBuffer(device, pass.lights);
-  if (pass.nearest) vkDestroySampler(device.device, pass.nearest, nullptr);
   pass = {};
 }
 
@@ -114,11 +97,7 @@ void recordAperture(VkCommandBuffer commands, AperturePass& pass, const GlobalGr
   constants.sky = glm::vec4(view.skyColour, 0.0f);
   constants.voxel = glm::vec4((view.eye - grid.origin) / grid.voxelSize, 1.0 / grid.voxelSize);
   constants.lights = glm::ivec4(static_cast<int>(lights.size()), 0, 0, 0);
-  transition(commands, pass.light, kEarlierLight, kComputeWrite);
-  bind(commands, pass.pipeline, pass.set);
-  push(commands, pass.pipeline, constants);
-  vkCmdDispatch(commands, groups(pass.light.extent.width, 8), groups(pass.light.extent.height, 8), 1);
-  transition(commands, pass.light, kComputeWrite, kLightReady);
+  recordScreenPass(commands, pass.screen, constants);
 }
 
 }  // namespace overcast

@@ -12,6 +12,7 @@
 #include "runtime/passes/composite/global_grid.h"
 #include "runtime/passes/geometry/geometry_pass.h"
 #include "runtime/passes/pyramid/pyramid_pass.h"
+#include "runtime/passes/screen/screen_pass.h"
 #include "runtime/vulkan/device.h"
 #include "runtime/vulkan/pipeline.h"
 #include "runtime/vulkan/resources.h"
@@ -22,17 +23,14 @@ namespace overcast {
 enum class ApertureMode { exact, smoothstep, fast, accurate };
 
 struct AperturePass {
-  Pipeline pipeline;
-  DescriptorSet set;
-  VkSampler nearest = VK_NULL_HANDLE;
+  ScreenPass screen;
   GpuBuffer lights;  ///< shared::ApertureLight[shared::kMaxApertureLights], mapped
-  GpuImage light;    ///< ShadePass::light; not owned
 };
 
 /// What a pass reads and writes; all must outlive it.
 struct ApertureInputs {
   const GeometryImages& images;         ///< made with apertures
-  const GpuImage& light;                ///< ShadePass::light
+  const GpuImage& light;                ///< makeLightImage
   const PyramidPass* others = nullptr;  ///< over the global volume, which alone is read; null: the scene has one object
 };
 Result<AperturePass> makeAperturePass(const Device& device, const ApertureInputs& inputs, ApertureMode mode);

@@ -1,15 +1,11 @@
 // One thread per pixel: base colour times sky times sky visibility. OVERCAST_TAPS taps of the estimator OVERCAST_ESTIMATOR_<NAME>.
 #version 460
+#include "runtime/passes/screen/screen.glsl"
 #include "runtime/passes/shade/shade.h"
 
-layout(local_size_x = 8, local_size_y = 8) in;
 layout(push_constant) uniform Push {
   ShadePush push;
 };
-layout(set = 0, binding = 0) uniform sampler2D depthImage;
-layout(set = 0, binding = 1) uniform sampler2D normalImage;
-layout(set = 0, binding = 2) uniform sampler2D colourImage;
-layout(set = 0, binding = 3, rgba16f) uniform writeonly image2D lightImage;
 // Levels that no tap reads repeat the last one.
 layout(set = 0, binding = 4) uniform sampler3D level0;
 layout(set = 0, binding = 5) uniform sampler3D level1;
@@ -61,15 +57,9 @@ float visibility(vec3 p, vec3 normal) {
 #endif
 
 void main() {
-  ivec2 pixel = ivec2(gl_GlobalInvocationID);
-  ivec2 size = imageSize(lightImage);
-  if (any(greaterThanEqual(pixel, size))) return;
-  float depth = texelFetch(depthImage, pixel, 0).r;
-  if (depth <= 0.0f) {
-    imageStore(lightImage, pixel, vec4(0.0f, 0.0f, 0.0f, kNoSurface));
-    return;
-  }
-  vec4 p = push.voxelFromClip * vec4((vec2(pixel) + 0.5f) / vec2(size) * 2.0f - 1.0f, depth, 1.0f);
-  float sky = visibility(p.xyz / p.w, texelFetch(normalImage, pixel, 0).xyz);
-  imageStore(lightImage, pixel, vec4(texelFetch(colourImage, pixel, 0).rgb * push.sky.rgb * sky, sky));
+  ivec2 pixel;
+  vec3 p;
+  if (!surfaceOfThread(push.voxelFromClip, pixel, p)) return;
+  float sky = visibility(p, texelFetch(normalImage, pixel, 0).xyz);
+  writeLight(pixel, push.sky.rgb * sky, sky);
 }

@@ -14,12 +14,11 @@
 #ifndef RUNTIME_PASSES_SHADE_SHADE_H
 #define RUNTIME_PASSES_SHADE_SHADE_H
 
-#include "runtime/shared_types.h"
+#include "runtime/passes/screen/screen.h"
 
 OVERCAST_SHARED_BEGIN
 
 const int kMaxTaps = 8;
-const float kNoSurface = -1.0f;  ///< alpha of a pixel that sees no surface; of the others it is the sky visibility
 
 /// 128 bytes: all the push constants a device must have.
 struct ShadePush {
@@ -38,13 +37,6 @@ OVERCAST_INLINE float tapDistance(int tap) {
 OVERCAST_INLINE vec3 skewedNormal(vec3 normal, vec3 skew) {
   float squared = dot(normal, normal);
   return squared > 0.0f && squared < 1.0e30f ? normal / sqrt(squared) + skew : skew;
-}
-
-/// The point nearest to p at which level `level` of a volume of `size` voxels is sampled: half a texel of the level inside the border,
-/// where interpolation is whole. Further out the field is continued: phi there plus the distance to it, continuous and without streaks.
-OVERCAST_INLINE vec3 insideLevel(vec3 p, vec3 size, int level) {
-  vec3 inset = min(vec3(0.5f * exp2(float(level))), 0.5f * size);
-  return clamp(p, inset, size - inset);
 }
 
 /// 0 below 0, e^2 / (e + 1/16) above: without a kink where the clamp starts, e - 1/16 where it is dark.

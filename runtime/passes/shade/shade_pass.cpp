@@ -17,49 +17,10 @@ namespace {
 /// The resolution at which Estimator::taps counts (formats/lighting.h).
 constexpr double kTapResolution = 128.0;
 
-constexpr std::uint32_t kFirstLevelBinding = 4;
-
-std::vector<Binding> bindings() {
-  std::vector<Binding> all{{0, VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER},
-                           {1, VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER},
-                           {2, VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER},
-                           {3, VK_DESCRIPTOR_TYPE_STORAGE_IMAGE}};
-  for (std::uint32_t level = 0; level < shared::kMaxPyramidLevels; ++level)
-    all.push_back({kFirstLevelBinding + level, VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER});
-  return all;
-}
-
 Shader shaderOf(const SkyTaps& taps) {
   std::string upper = taps.estimator;
   std::transform(upper.begin(), upper.end(), upper.begin(), [](unsigned char c) { return static_cast<char>(std::toupper(c)); });
   return {"runtime/passes/shade/shade.comp.glsl", {{"OVERCAST_ESTIMATOR_" + upper, "1"}, {"OVERCAST_TAPS", fmt::format("{}", taps.count)}}};
-}
-
-Result<Done> fill(const Device& device, const GeometryImages& images, const PyramidPass& pyramid, ShadePass& pass) {
-  ImageSettings settings;
-  settings.extent = images.depth.extent;
-  settings.format = VK_FORMAT_R16G16B16A16_SFLOAT;
-  settings.usage = VK_IMAGE_USAGE_SAMPLED_BIT | VK_IMAGE_USAGE_STORAGE_BIT;
-  Result<GpuImage> light = makeImage(device, settings);
-  if (!light) return light.error();
-  pass.light = std::move(light).value();
-  Result<VkSampler> nearest = makeSampler(device, VK_FILTER_NEAREST);
-  if (!nearest) return nearest.error();
-  pass.nearest = nearest.value();
-  Result<Pipeline> pipeline = makeComputePipeline(device, {shaderOf(pass.taps), bindings(), sizeof(shared::ShadePush)});
-  if (!pipeline) return pipeline.error();
-  pass.pipeline = std::move(pipeline).value();
-  Result<DescriptorSet> set = makeDescriptorSet(device, pass.pipeline);
-  if (!set) return set.error();
-  pass.set = std::move(set).value();
-  writeSampledImage(device, pass.set, 0, images.depth.view, pass.nearest);
-  writeSampledImage(device, pass.set, 1, images.normal.view, pass.nearest);
-  writeSampledImage(device, pass.set, 2, images.colour.view, pass.nearest);
-  writeStorageImage(device, pass.set, 3, pass.light.mipViews[0]);
-  for (std::size_t level = 0; level < shared::kMaxPyramidLevels; ++level)
-    writeSampledImage(device, pass.set, kFirstLevelBinding + static_cast<std::uint32_t>(level),
-                      pyramid.views[std::min(level, pyramid.views.size() - 1)], pyramid.sampler, VK_IMAGE_LAYOUT_GENERAL);
-  return Done{};
 }
 
 }  // namespace
@@ -79,21 +40,23 @@ Result<SkyTaps> skyTaps(const Estimator& estimator, int resolution) {
   return taps;
 }
 
-Result<ShadePass> makeShadePass(const Device& device, const GeometryImages& images, const PyramidPass& pyramid, const SkyTaps& taps) {
+Result<ShadePass> makeShadePass(const Device& device, const GeometryImages& images, const GpuImage& light, const PyramidPass& pyramid,
+                                const SkyTaps& taps) {
   OVERCAST_REQUIRE(static_cast<int>(pyramid.views.size()) >= taps.count, "{} levels for {} taps", pyramid.views.size(), taps.count);
-  ShadePass pass;
-  pass.taps = taps;
-  const Result<Done> filled = fill(device, images, pyramid, pass);
-  if (filled) return pass;
-  destroyShadePass(device, pass);
-  return filled.error();
+  std::vector<Binding> levels;
+  for (std::uint32_t level = 0; level < shared::kMaxPyramidLevels; ++level)
+    levels.push_back({kFirstScreenBinding + level, VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER});
+  Result<ScreenPass> screen = makeScreenPass(device, images, light, shaderOf(taps), levels, sizeof(shared::ShadePush));
+  if (!screen) return screen.error();
+  ShadePass pass{std::move(screen).value(), taps};
+  for (std::size_t level = 0; level < levels.size(); ++level)
+    writeSampledImage(device, pass.screen.set, levels[level].binding, pyramid.views[std::min(level, pyramid.views.size() - 1)],
+                      pyramid.sampler, VK_IMAGE_LAYOUT_GENERAL);
+  return pass;
 }
 
 void destroyShadePass(const Device& device, ShadePass& pass) {
-  destroyDescriptorSet(device, pass.set);
-  destroyPipeline(device, pass.pipeline);
-  if (pass.nearest) vkDestroySampler(device.device, pass.nearest, nullptr);
-  destroyImage(device, pass.light);
+  destroyScreenPass(device, pass.screen);
   pass = {};
 }
 
@@ -105,12 +68,7 @@ void recordShade(VkCommandBuffer commands, const ShadePass& pass, const GlobalGr
   constants.sky = glm::vec4(view.skyColour, 0.0f);
   for (int half = 0; half < 2; ++half)
     for (int i = 0; i < 4; ++i) constants.weights[half][i] = pass.taps.weights[static_cast<std::size_t>(4 * half + i)];
-
-  transition(commands, pass.light, kEarlierLight, kComputeWrite);
-  bind(commands, pass.pipeline, pass.set);
-  push(commands, pass.pipeline, constants);
-  vkCmdDispatch(commands, groups(pass.light.extent.width, 8), groups(pass.light.extent.height, 8), 1);
-  transition(commands, pass.light, kComputeWrite, kLightReady);
+  recordScreenPass(commands, pass.screen, constants);
 }
 
 }  // namespace overcast

@@ -11,6 +11,7 @@
 #include "runtime/passes/composite/global_grid.h"
 #include "runtime/passes/geometry/geometry_pass.h"
 #include "runtime/passes/pyramid/pyramid_pass.h"
+#include "runtime/passes/screen/screen_pass.h"
 #include "runtime/passes/shade/shade.h"
 #include "runtime/vulkan/device.h"
 #include "runtime/vulkan/pipeline.h"
@@ -31,27 +32,14 @@ struct SkyTaps {
 /// above 128 adds a tap and each halving leaves one out (rounded, 1 to 8). An Error names an estimator we do not have.
 Result<SkyTaps> skyTaps(const Estimator& estimator, int resolution);
 
-/// The last frame's light is no longer read by what shows or saves it.
-inline constexpr Access kEarlierLight{
-    VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT | VK_PIPELINE_STAGE_2_FRAGMENT_SHADER_BIT | VK_PIPELINE_STAGE_2_ALL_TRANSFER_BIT,
-    VK_ACCESS_2_NONE, VK_IMAGE_LAYOUT_UNDEFINED};
-/// How the light image may be used after recordShade.
-inline constexpr Access kLightReady{
-    VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT | VK_PIPELINE_STAGE_2_FRAGMENT_SHADER_BIT | VK_PIPELINE_STAGE_2_ALL_TRANSFER_BIT,
-    VK_ACCESS_2_SHADER_SAMPLED_READ_BIT | VK_ACCESS_2_TRANSFER_READ_BIT, VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL};
-
 struct ShadePass {
-  /// RGBA16F: rgb linear light, a sky visibility in [0, 1], or rgb 0 and a shared::kNoSurface where there is no surface. In layout
-  /// SHADER_READ_ONLY_OPTIMAL after recordShade.
-  GpuImage light;
+  ScreenPass screen;
   SkyTaps taps;
-  Pipeline pipeline;
-  DescriptorSet set;
-  VkSampler nearest = VK_NULL_HANDLE;
 };
 
-/// Shades the pixels of `images` with a pyramid of at least taps.count levels; both must outlive the pass.
-Result<ShadePass> makeShadePass(const Device& device, const GeometryImages& images, const PyramidPass& pyramid, const SkyTaps& taps);
+/// Shades the pixels of `images` into `light` with a pyramid of at least taps.count levels; all must outlive the pass.
+Result<ShadePass> makeShadePass(const Device& device, const GeometryImages& images, const GpuImage& light, const PyramidPass& pyramid,
+                                const SkyTaps& taps);
 void destroyShadePass(const Device& device, ShadePass& pass);
 
 /// What the frame's camera and light are. Positions in world space.

@@ -1,5 +1,5 @@
 #version 460
-#include "runtime/passes/shade/shade.h"
+#include "runtime/passes/screen/screen.h"
 #include "runtime/passes/tonemap/tonemap.h"
 
 layout(local_size_x = 8, local_size_y = 8) in;

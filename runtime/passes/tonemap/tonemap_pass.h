@@ -28,7 +28,7 @@ struct TonemapView {
   float exposure = 1.0f;
 };
 
-/// A pass from `light` (ShadePass::light: RGBA16F; rgb radiance, a sky visibility or shared::kNoSurface; layout SHADER_READ_ONLY_OPTIMAL),
+/// A pass from `light` (makeLightImage: RGBA16F; rgb radiance, a sky visibility or shared::kNoSurface; layout SHADER_READ_ONLY_OPTIMAL),
 /// `samplesPerSide` times as wide and high as the picture. It must outlive the pass.
 Result<TonemapPass> makeTonemapPass(const Device& device, const GpuImage& light, int samplesPerSide);
 void destroyTonemapPass(const Device& device, TonemapPass& pass);
