@@ -3,7 +3,9 @@
 #include "runtime/passes/tonemap/tonemap.h"
 
 layout(local_size_x = 8, local_size_y = 8) in;
-layout(push_constant) uniform Push { TonemapPush push; };
+layout(push_constant) uniform Push {
+  TonemapPush push;
+};
 layout(binding = 0) uniform sampler2D light;  // rgb: radiance, a: sky visibility or kNoSurface
 layout(binding = 1, rgba32f) writeonly uniform image2D resolved;
 layout(binding = 2, rgba8) writeonly uniform image2D display;
@@ -30,6 +32,7 @@ void main() {
   imageStore(resolved, pixel, mean);
   const vec3 shown = toneCurve(max(mean.rgb, 0.0) * push.sky.w);
   const float threshold = ditherThreshold(pixel.x, pixel.y);
-  imageStore(display, pixel, vec4(quantise(encodeSrgb(shown.r), threshold), quantise(encodeSrgb(shown.g), threshold),
-                                  quantise(encodeSrgb(shown.b), threshold), 1.0));
+  imageStore(display, pixel,
+             vec4(quantise(encodeSrgb(shown.r), threshold), quantise(encodeSrgb(shown.g), threshold),
+                  quantise(encodeSrgb(shown.b), threshold), 1.0));
 }
