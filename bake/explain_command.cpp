@@ -13,6 +13,7 @@
 #include "bake/choice_options.h"
 #include "bake/choice_table.h"
 #include "bake/command.h"
+#include "bake/inputs.h"
 #include "bake/pareto_svg.h"
 #include "bake/scene_bake.h"
 #include "formats/console.h"
@@ -38,7 +39,8 @@ struct Options {
 
 void addOptions(CLI::App& app, Options& options) {
   app.add_option("INPUT", options.input,
-                 "a mesh (.obj .ply .stl .off), a scene (.gltf .glb), or a folder of them: then only what is chosen of each, in one table")
+                 "a mesh (.obj .ply .stl .off), a scene (.gltf .glb), or a folder of them, with those below it: then only what is chosen "
+                 "of each, in one table")
       ->required();
   app.add_option("--svg", options.svg, "file for the Pareto fronts of error against bytes and against composite time; not for folders");
   app.add_option("--costs", options.costs, "composite costs of a device, from overcast-player cost [those of lavapipe, built in]");
@@ -137,16 +139,6 @@ Result<Done> explainFile(const fs::path& file, const Options& options, const Com
   return Done{};
 }
 
-/// The meshes and scenes of a folder, by name.
-std::vector<fs::path> filesOf(const fs::path& folder) {
-  std::vector<fs::path> files;
-  std::error_code code;
-  for (const fs::directory_entry& entry : fs::directory_iterator(folder, code))
-    if (entry.is_regular_file(code) && (isMeshFile(entry.path()) || isSceneFile(entry.path()))) files.push_back(entry.path());
-  std::sort(files.begin(), files.end());
-  return files;
-}
-
 Result<Explained> explain(const Options& options, const CompositeCosts& costs) {
   Explained explained;
   std::error_code code;
@@ -154,12 +146,12 @@ Result<Explained> explain(const Options& options, const CompositeCosts& costs) {
     if (const auto done = explainFile(options.input, options, costs, false, explained); !done) return done.error();
     return explained;
   }
-  for (const fs::path& file : filesOf(options.input)) {
+  const auto inputs = expandInputs({options.input}, {});
+  if (!inputs) return inputs.error();
+  for (const InputFile& file : inputs.value().files) {
     if (interrupted()) break;
-    if (const auto done = explainFile(file, options, costs, true, explained); !done) explained.errors.push_back(done.error());
+    if (const auto done = explainFile(file.path, options, costs, true, explained); !done) explained.errors.push_back(done.error());
   }
-  if (explained.rows.empty() && explained.errors.empty())
-    return Error{options.input.string(), "", "holds no mesh (.obj .ply .stl .off) and no scene (.gltf .glb)"};
   return explained;
 }
 

@@ -16,7 +16,8 @@ namespace overcast {
 enum class Representation { volume, primitive, radius, heightfield };
 
 /// Measured error of a baked representation against the exact distance to its source mesh, at seeded random points. `method` names the
-/// points: "influence-1" is that of bake/measure.h; empty, the first method, took points of the box alone and has the first five figures.
+/// points: "influence-2" is that of bake/measure.h, "influence-1" the same with one reading of open sheets; empty, the first method, took
+/// points of the box alone and has the first five figures.
 struct MeasuredError {
   double max = 0.0;              ///< largest |phi - exact|, local units
   double rms = 0.0;              ///< root mean square of phi - exact, local units

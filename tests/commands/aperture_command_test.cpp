@@ -8,8 +8,7 @@
 
 #include "formats/aperture.h"
 #include "formats/scene.h"
-#include "tests/commands/scratch.h"
-#include "tests/commands/shell.h"
+#include "tests/commands/bake_fixture.h"
 #include "tests/reference/shapes.h"
 
 namespace overcast::test {
@@ -17,8 +16,6 @@ namespace {
 
 namespace fs = std::filesystem;
 using testing::HasSubstr;
-
-const std::string kBake = quoted(std::string(OVERCAST_BINARY_FOLDER) + "/overcast-bake");
 
 class ApertureCommand : public testing::Test {
  protected:

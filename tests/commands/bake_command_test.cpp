@@ -15,9 +15,7 @@
 #include "formats/files.h"
 #include "formats/mesh.h"
 #include "formats/scene.h"
-#include "tests/commands/scratch.h"
-#include "tests/commands/scratch_files.h"
-#include "tests/commands/shell.h"
+#include "tests/commands/bake_fixture.h"
 #include "tests/reference/radius.h"
 #include "tests/reference/shapes.h"
 
@@ -28,24 +26,12 @@ namespace fs = std::filesystem;
 using testing::HasSubstr;
 using testing::Not;
 
-const std::string kBake = quoted(std::string(OVERCAST_BINARY_FOLDER) + "/overcast-bake");
-
-class BakeCommand : public testing::Test {
+class BakeCommand : public BakeFixture {
  protected:
   void SetUp() override {
-    folder = scratchFolder();
-    write("ball.off", reference::icosphere(1.0, 3));
-    write("ring.off", reference::torusMesh(1.0, 0.4, 32, 16));
-    write("bowl.off", reference::withHoles(reference::icosphere(1.0, 3), 0.2, 4));
-    std::ofstream(folder / "broken.off") << "OFF\n8 6 0\n0 0 0\n";
+    BakeFixture::SetUp();
     std::ofstream(folder / "text.txt") << "hello\n";
   }
-
-  void write(const std::string& name, const Mesh& mesh) { ASSERT_TRUE(writeOff(folder / name, mesh).ok()); }
-  ShellResult bake(const std::string& arguments) const { return shell(fmt::format("{} {}", kBake, arguments), folder); }
-  std::map<std::string, std::string> filesIn(const std::string& name) const { return everythingIn(folder / name); }
-
-  fs::path folder;
 };
 
 TEST_F(BakeCommand, AMeshBecomesASceneThatValidates) {

@@ -144,8 +144,8 @@ class Explain : public testing::Test {
  protected:
   void SetUp() override {
     folder = scratchFolder();
-    fs::create_directories(folder / "meshes");
-    ASSERT_TRUE(writeOff(folder / "meshes/box.off", reference::boxMesh({1.0, 0.5, 0.25})).ok());
+    fs::create_directories(folder / "meshes/more");
+    ASSERT_TRUE(writeOff(folder / "meshes/more/box.off", reference::boxMesh({1.0, 0.5, 0.25})).ok());
     ASSERT_TRUE(writeOff(folder / "meshes/ring.off", reference::torusMesh(1.0, 0.4, 24, 12)).ok());
     std::ofstream(folder / "meshes/notes.txt") << "no mesh\n";
   }

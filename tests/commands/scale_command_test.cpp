@@ -13,9 +13,7 @@
 
 #include "formats/mesh.h"
 #include "formats/scene.h"
-#include "tests/commands/scratch.h"
-#include "tests/commands/scratch_files.h"
-#include "tests/commands/shell.h"
+#include "tests/commands/bake_fixture.h"
 #include "tests/reference/shapes.h"
 
 namespace overcast::test {
@@ -26,23 +24,10 @@ using nlohmann::json;
 using testing::HasSubstr;
 using testing::Not;
 
-const std::string kBake = quoted(std::string(OVERCAST_BINARY_FOLDER) + "/overcast-bake");
 const std::string kQuick = "--resolution 8 --error-samples 50";
 
-class ScaleCommand : public testing::Test {
+class ScaleCommand : public BakeFixture {
  protected:
-  void SetUp() override {
-    folder = scratchFolder();
-    write("ball.off", reference::icosphere(1.0, 3));
-    write("ring.off", reference::torusMesh(1.0, 0.4, 32, 16));
-    write("bowl.off", reference::withHoles(reference::icosphere(1.0, 3), 0.2, 4));
-    std::ofstream(folder / "broken.off") << "OFF\n8 6 0\n0 0 0\n";
-  }
-
-  void write(const std::string& name, const Mesh& mesh) {
-    fs::create_directories((folder / name).parent_path());
-    ASSERT_TRUE(writeOff(folder / name, mesh).ok());
-  }
   /// Boxes of different sizes in `library` and a folder below it; every tenth is the same as the one before.
   void writeLibrary(int count) {
     for (int i = 0; i < count; ++i) {
@@ -50,16 +35,12 @@ class ScaleCommand : public testing::Test {
       write(fmt::format("library/{}box{:03}.off", i % 3 == 0 ? "more/" : "", i), reference::boxMesh(glm::dvec3(1.0, size, 2.0)));
     }
   }
-  ShellResult bake(const std::string& arguments) const { return shell(fmt::format("{} {}", kBake, arguments), folder); }
   /// The JSON document of a bake that succeeds.
   json bakeJson(const std::string& arguments) const {
     const ShellResult baked = bake(arguments + " --json 2>messages");
     EXPECT_EQ(baked.exitCode, 0) << contents(folder / "messages");
     return json::parse(baked.output, nullptr, false);
   }
-  std::map<std::string, std::string> filesIn(const std::string& name) const { return everythingIn(folder / name); }
-
-  fs::path folder;
 };
 
 /// Whether two folders hold the same files; says which differ, not what is in them.
