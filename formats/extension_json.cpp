@@ -20,9 +20,6 @@ constexpr double kTinyFloat = std::numeric_limits<float>::min();
 Json arrayOf(const glm::vec3& v) {
   return Json::array({shortest(v.x), shortest(v.y), shortest(v.z)});
 }
-Json arrayOf(const glm::dvec3& v) {
-  return Json::array({v.x, v.y, v.z});
-}
 Json boxJson(const Box& box) {
   return {{"min", arrayOf(box.min)}, {"max", arrayOf(box.max)}};
 }

@@ -145,6 +145,10 @@ Result<T> parseObject(std::string_view json, const std::string& place, Read read
   return value;
 }
 
+inline Json arrayOf(const glm::dvec3& v) {
+  return Json::array({v.x, v.y, v.z});
+}
+
 /// On one line unless `indent` is 0 or more. Bytes that are no UTF-8 (names from old mesh files) become U+FFFD: JSON text has no other way
 /// to hold them.
 inline std::string dumpJson(const Json& json, int indent = -1) {

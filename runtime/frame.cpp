@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cstring>
 
+#include "formats/view_options.h"
+
 namespace overcast {
 namespace {
 
@@ -196,8 +198,7 @@ Result<Done> resizeFrames(const Device& device, FrameRenderer& renderer, int wid
 }
 
 View defaultView(const RuntimeScene& scene, double time, double aspect) {
-  const std::optional<View> own = sceneView(scene.scene, worldFromLocal(scene.scene, time));
-  return own ? *own : frameBox(scene.bounds, glm::dvec3(0.0, 1.0, 0.0), aspect);
+  return chooseView(scene.scene, scene.bounds, std::nullopt, time, aspect);
 }
 
 void recordFrame(VkCommandBuffer commands, FrameRenderer& renderer, const RuntimeScene& scene, double time, const View& view) {

@@ -10,9 +10,9 @@
 
 #include <vulkan/vulkan.h>
 
+#include "formats/camera.h"
 #include "formats/image.h"
 #include "runtime/asset_store.h"
-#include "runtime/camera.h"
 #include "runtime/daylight.h"
 #include "runtime/passes/aperture/aperture_pass.h"
 #include "runtime/passes/composite/composite_pass.h"

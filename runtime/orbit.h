@@ -4,7 +4,7 @@
 #include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
 
-#include "runtime/camera.h"
+#include "formats/camera.h"
 
 namespace overcast {
 

@@ -1,6 +1,7 @@
 #include "runtime/player/headless.h"
 
 #include "formats/image.h"
+#include "formats/view_options.h"
 #include "runtime/frame.h"
 
 namespace overcast {
@@ -35,9 +36,7 @@ std::optional<Failure> playFrames(const Device& device, FrameRenderer& renderer,
 }  // namespace
 
 View viewOf(const PlayerOptions& options, const RuntimeScene& scene, double time) {
-  const glm::dvec3 up(0.0, 1.0, 0.0);
-  if (options.camera) return lookAt(options.camera->eye, options.camera->target, up, options.camera->verticalFieldOfView);
-  return defaultView(scene, time, static_cast<double>(options.width) / options.height);
+  return chooseView(scene.scene, scene.bounds, options.camera, time, static_cast<double>(options.width) / options.height);
 }
 
 std::optional<Failure> playHeadless(const Device& device, const RuntimeScene& scene, const PlayerOptions& options, PlayResult& result) {

@@ -1,8 +1,8 @@
 // Headless: renders frames into picture files.
 #pragma once
 
+#include "formats/camera.h"
 #include "formats/result.h"
-#include "runtime/camera.h"
 #include "runtime/player/options.h"
 #include "runtime/player/report.h"
 #include "runtime/scene.h"

@@ -6,9 +6,8 @@
 #include <string>
 #include <vector>
 
-#include <glm/vec3.hpp>
-
 #include "formats/result.h"
+#include "formats/view_options.h"
 #include "runtime/daylight.h"
 #include "runtime/passes/aperture/aperture_pass.h"
 
@@ -21,13 +20,6 @@ namespace overcast {
 
 /// Exit codes, as overcast-bake has them where they mean the same.
 enum class ExitCode { ok = 0, internal = 1, usage = 2, unreadable = 3, unwritable = 4, noDevice = 5 };
-
-/// --camera "px,py,pz,tx,ty,tz[,fovdeg]"
-struct CameraOption {
-  glm::dvec3 eye{0.0};
-  glm::dvec3 target{0.0};
-  double verticalFieldOfView = 0.6;  ///< radians
-};
 
 struct PlayerOptions {
   std::filesystem::path scene;
@@ -64,11 +56,5 @@ int parseFailure(const CLI::App& app, const CLI::ParseError& error);
 std::string pictureFile(const std::string& pattern, int frame);
 /// Whether a pattern has a place for the frame number.
 bool hasFrameNumber(const std::string& pattern);
-
-/// "first:last" or one number, both at least 0, first <= last.
-Result<std::pair<int, int>> parseFrames(const std::string& text);
-/// "WxH", each from 1 to 16384.
-Result<std::pair<int, int>> parseSize(const std::string& text);
-Result<CameraOption> parseCamera(const std::string& text);
 
 }  // namespace overcast

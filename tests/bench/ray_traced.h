@@ -7,8 +7,8 @@
 
 #include <glm/vec3.hpp>
 
+#include "formats/camera.h"
 #include "formats/scene.h"
-#include "runtime/camera.h"
 
 namespace overcast::bench {
 

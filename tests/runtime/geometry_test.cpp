@@ -8,7 +8,7 @@
 #include <glm/ext/matrix_transform.hpp>
 #include <glm/gtc/packing.hpp>
 
-#include "runtime/camera.h"
+#include "formats/camera.h"
 #include "tests/runtime/support.h"
 
 namespace overcast::test {

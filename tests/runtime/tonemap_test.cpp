@@ -6,7 +6,7 @@
 
 #include <glm/gtc/packing.hpp>
 
-#include "runtime/camera.h"
+#include "formats/camera.h"
 #include "runtime/passes/shade/shade.h"
 #include "tests/runtime/support.h"
 

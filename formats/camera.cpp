@@ -1,4 +1,4 @@
-#include "runtime/camera.h"
+#include "formats/camera.h"
 
 #include <algorithm>
 #include <cmath>
