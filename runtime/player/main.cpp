@@ -9,6 +9,7 @@
 #include "formats/console.h"
 #include "runtime/player/cost_command.h"
 #include "runtime/player/headless.h"
+#include "runtime/player/measure_command.h"
 #include "runtime/player/options.h"
 #include "runtime/player/report.h"
 #include "runtime/player/window.h"
@@ -91,6 +92,7 @@ int runCommand(int argc, char** argv) {
     keepDriverOffFullDisk();
     return costCommand(argc - 1, argv + 1);
   }
+  if (argc > 1 && std::string_view(argv[1]) == "measure") return measureCommand(argc - 1, argv + 1);
   const ParsedOptions parsed = parseOptions(argc, argv);
   return parsed.exitCode ? *parsed.exitCode : run(parsed.options);
 }
