@@ -21,7 +21,7 @@ constexpr int kMedianBelow = 30;              // depth from which ranges are hal
 constexpr unsigned kCellBits = 3;             // cells of the coarse grid: 2^kCellBits along each axis
 constexpr unsigned kCells = 1u << (3 * kCellBits);
 
-typedef std::int32_t Int4 __attribute__((vector_size(16)));
+using Int4 __attribute__((vector_size(16))) = std::int32_t;
 
 Float4 lower(Float4 a, Float4 b) {
   return a < b ? a : b;
@@ -303,6 +303,6 @@ BinaryTree buildBinaryTree(const std::vector<glm::vec3>& positions, const std::v
     buildCells(builder, 0, sortIntoCells(builder, all), 0, kCells, 0);
   }
   return tree;
-}
+}  // NOLINT(clang-analyzer-cplusplus.NewDeleteLeaks): the nodes leave with the tree
 
 }  // namespace overcast

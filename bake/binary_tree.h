@@ -13,7 +13,7 @@ constexpr int kTreeWidth = 16;     ///< most triangles and most vertices of a le
 constexpr float kFarAway = 1e15f;  ///< where unused slots lie; its square is still a float
 
 /// Four lanes, the last unused: the compiler has vector minima and maxima for them.
-typedef float Float4 __attribute__((vector_size(16)));
+using Float4 __attribute__((vector_size(16))) = float;
 
 /// A leaf when `left` is negative, else the right child is left + 1.
 struct BinaryNode {

@@ -71,7 +71,7 @@ QueryScene::QueryScene(const Mesh& mesh) : triangles(mesh.triangles) {
 
   device = rtcNewDevice(nullptr);
   scene = rtcNewScene(device);
-  const RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_USER);
+  auto* const geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_USER);
   rtcSetGeometryUserPrimitiveCount(geometry, static_cast<unsigned>(triangles.size()));
   rtcSetGeometryUserData(geometry, this);
   rtcSetGeometryBoundsFunction(geometry, triangleBounds, nullptr);

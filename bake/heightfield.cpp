@@ -48,6 +48,11 @@ Box boxOf(const std::vector<glm::dvec3>& points, const Mesh& mesh) {
   return box;
 }
 
+/// Place of (x, y) in a row-major grid of that width.
+std::size_t placeOf(int width, int x, int y) {
+  return static_cast<std::size_t>(y) * static_cast<std::size_t>(width) + static_cast<std::size_t>(x);
+}
+
 void fillTexel(Layers& layers, std::size_t texel, const std::vector<double>& top, const std::vector<double>& bottom) {
   const auto moments = [](const std::vector<double>& heights, double& mean, double& variance) {
     mean = variance = 0.0;
@@ -74,12 +79,12 @@ Layers gather(const HeightRaster& raster, const glm::ivec2& size) {
       bottom.clear();
       for (int y = 0; y < kLinesPerTexel; ++y)
         for (int x = 0; x < kLinesPerTexel; ++x) {
-          const auto line = static_cast<std::size_t>(i * kLinesPerTexel + x + size.x * kLinesPerTexel * (j * kLinesPerTexel + y));
+          const auto line = placeOf(size.x * kLinesPerTexel, i * kLinesPerTexel + x, j * kLinesPerTexel + y);
           if (!std::isfinite(raster.top[line])) continue;
           top.push_back(raster.top[line]);
           bottom.push_back(raster.bottom[line]);
         }
-      fillTexel(layers, static_cast<std::size_t>(i + size.x * j), top, bottom);
+      fillTexel(layers, placeOf(size.x, i, j), top, bottom);
     }
   return layers;
 }
@@ -95,10 +100,9 @@ void forNeighbours(const glm::ivec2& size, int i, int j, Visit visit) {
 
 /// Empty texels that are reached from the border are beyond the outline; for a pair every empty one is.
 void markBeyond(Layers& layers, bool pair) {
-  const auto place = [&](int i, int j) { return static_cast<std::size_t>(i + layers.size.x * j); };
   std::vector<std::pair<int, int>> open;
   const auto reach = [&](int i, int j) {
-    Cover& cover = layers.cover[place(i, j)];
+    Cover& cover = layers.cover[placeOf(layers.size.x, i, j)];
     if (cover != Cover::hole) return;
     cover = Cover::beyond;
     open.emplace_back(i, j);
@@ -118,7 +122,7 @@ std::vector<glm::ivec2> rimOf(const Layers& layers) {
   std::vector<glm::ivec2> rim;
   for (int j = 0; j < layers.size.y; ++j)
     for (int i = 0; i < layers.size.x; ++i) {
-      const auto coverAt = [&](int x, int y) { return layers.cover[static_cast<std::size_t>(x + layers.size.x * y)]; };
+      const auto coverAt = [&](int x, int y) { return layers.cover[placeOf(layers.size.x, x, y)]; };
       if (coverAt(i, j) != Cover::met) continue;
       bool atEdge = false;
       forNeighbours(layers.size, i, j, [&](int x, int y) { atEdge = atEdge || coverAt(x, y) != Cover::met; });
@@ -133,7 +137,7 @@ void fillRest(Layers& layers, const glm::dvec2& cell, bool pair) {
   const std::vector<glm::ivec2> rim = rimOf(layers);
   tbb::parallel_for(0, layers.size.y, [&](int j) {
     for (int i = 0; i < layers.size.x; ++i) {
-      const auto texel = static_cast<std::size_t>(i + layers.size.x * j);
+      const std::size_t texel = placeOf(layers.size.x, i, j);
       if (layers.cover[texel] == Cover::met) continue;
       double nearest = std::numeric_limits<double>::infinity();
       std::size_t from = 0;
@@ -141,7 +145,7 @@ void fillRest(Layers& layers, const glm::dvec2& cell, bool pair) {
         const glm::dvec2 gap = cell * glm::dvec2(r - glm::ivec2(i, j));
         if (glm::dot(gap, gap) >= nearest) continue;
         nearest = glm::dot(gap, gap);
-        from = static_cast<std::size_t>(r.x + layers.size.x * r.y);
+        from = placeOf(layers.size.x, r.x, r.y);
       }
       const double fall = layers.cover[texel] == Cover::beyond ? std::sqrt(nearest) : 0.0;
       const double middle = 0.5 * (layers.front[from] + layers.back[from]);

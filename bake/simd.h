@@ -194,8 +194,8 @@ static inline Mask sharingBits(const std::uint32_t* p, std::uint32_t mask) {
 
 // Vector extensions of GCC and Clang: four lanes on whatever the machine has. Without fused multiply-add.
 constexpr int kLanes = 4;
-typedef float FloatVector __attribute__((vector_size(16)));
-typedef std::int32_t IntVector __attribute__((vector_size(16)));
+using FloatVector __attribute__((vector_size(16))) = float;
+using IntVector __attribute__((vector_size(16))) = std::int32_t;
 struct Floats {
   FloatVector v;
 };
