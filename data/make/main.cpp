@@ -1,4 +1,5 @@
 // overcast-make-data: writes the scenes and meshes of the project. Same bytes every time.
+#include <cstdint>
 #include <cstdio>
 #include <filesystem>
 #include <string>
@@ -20,8 +21,19 @@ struct NamedScene {
   Scene (*make)();
 };
 
+constexpr std::uint64_t kClutterSeed = 1;
+
 constexpr NamedScene kScenes[] = {
-    {"sphere_on_plane", makeSphereOnPlane}, {"cornell_box", makeCornellBox}, {"cornell_star", makeCornellStar}, {"clutter", makeClutter}};
+    {"sphere_on_plane", makeSphereOnPlane},
+    {"cornell_box", makeCornellBox},
+    {"cornell_knot", makeCornellKnot},
+    {"cornell_star", makeCornellStar},
+    {"clutter", makeClutter},
+    {"clutter_64", [] { return makeMovingClutter(64, kClutterSeed); }},
+    {"room_with_window", makeRoomWithWindow},
+    {"stairs_and_thin_walls", makeStairsAndThinWalls},
+    {"foliage", makeFoliage},
+};
 
 // Prints the error, if there is one; true when there is none.
 template <class T>
@@ -40,11 +52,15 @@ int writeAll(const fs::path& folder) {
   return 0;
 }
 
+int writeOne(const Scene& scene, const fs::path& file) {
+  return reported(writeScene(file, scene)) ? 0 : 1;
+}
+
 int writeDefault(const fs::path& meshes, const fs::path& file) {
   std::vector<std::string> notes;
   const Scene scene = makeDefault(meshes, notes);
   for (const std::string& note : notes) std::fprintf(stderr, "overcast-make-data: %s\n", note.c_str());
-  return reported(writeScene(file, scene)) ? 0 : 1;
+  return writeOne(scene, file);
 }
 
 }  // namespace
@@ -53,11 +69,22 @@ int main(int argc, char** argv) {
   CLI::App app("Writes the scenes and meshes of the project. Exit codes: 0 done, 1 a file cannot be written, others: bad arguments.");
   app.require_subcommand(1);
   fs::path output, meshes;
+  int objects = 0;
+  std::uint64_t seed = kClutterSeed;
   CLI::App* all = app.add_subcommand("all", "scenes/*.gltf and meshes/*.off, as committed in data/");
   all->add_option("-o,--output", output, "folder to write into")->required();
   CLI::App* standard = app.add_subcommand("default", "the scene of the demo, with scanned meshes");
   standard->add_option("--meshes", meshes, "folder that holds elephant.off, bunny00.off and armadillo.off")->required();
   standard->add_option("-o,--output", output, ".gltf file to write")->required();
+  CLI::App* clutter = app.add_subcommand("clutter", "objects that all move, over a slab");
+  clutter->add_option("--objects", objects, "how many")->required()->check(CLI::Range(1, 4096));
+  CLI::App* random = app.add_subcommand("random", "a scene by chance, to fit constants on or to test with");
+  for (CLI::App* command : {clutter, random}) {
+    command->add_option("--seed", seed, "the same one gives the same scene")->capture_default_str();
+    command->add_option("-o,--output", output, ".gltf file to write")->required();
+  }
   CLI11_PARSE(app, argc, argv);
+  if (clutter->parsed()) return writeOne(makeMovingClutter(objects, seed), output);
+  if (random->parsed()) return writeOne(makeRandomScene(seed), output);
   return all->parsed() ? writeAll(output) : writeDefault(meshes, output);
 }

@@ -10,15 +10,6 @@
 namespace overcast {
 namespace {
 
-constexpr glm::dvec3 kUp{0.0, 1.0, 0.0};
-constexpr double kSlabThickness = 0.25;
-
-// A slab whose top is the plane y = 0.
-void addGround(Scene& scene, double width, double depth, int material) {
-  const int mesh = addMesh(scene, makeBox({width, kSlabThickness, depth}), material);
-  addNode(scene, "ground", mesh, {{0.0, -0.5 * kSlabThickness, 0.0}});
-}
-
 // The room of Evans' figures: inside it x and z run over [-1, 1], y over [0, 2]. Walls reach into each other so that their union has no
 // seam; each pair ends a centimetre apart where both are seen.
 void addRoom(Scene& scene) {
@@ -38,16 +29,10 @@ void addRoom(Scene& scene) {
   addCamera(scene, {0.0, 1.0, 4.4}, {0.0, 1.0, 0.0}, 38.0);
 }
 
-Scene named(const char* name) {
-  Scene scene;
-  scene.name = name;
-  return scene;
-}
-
 }  // namespace
 
 Scene makeSphereOnPlane() {
-  Scene scene = named("sphere_on_plane");
+  Scene scene = namedScene("sphere_on_plane");
   addGround(scene, 4.0, 4.0, addMaterial(scene, "plaster", {0.80, 0.74, 0.66}));
   const int sphere = addMesh(scene, makeIcosphere(0.5, 4), addMaterial(scene, "clay", {0.80, 0.52, 0.38}));
   addNode(scene, "sphere", sphere, {{0.0, 0.5, 0.0}});
@@ -56,7 +41,7 @@ Scene makeSphereOnPlane() {
 }
 
 Scene makeCornellBox() {
-  Scene scene = named("cornell_box");
+  Scene scene = namedScene("cornell_box");
   addRoom(scene);
   const int cube = addMesh(scene, makeBox(glm::dvec3(0.7)), addMaterial(scene, "bone", {0.90, 0.86, 0.76}));
   const int node = standNode(scene, "cube", cube, 0.0, -0.05, turned(28.0, kUp));
@@ -65,7 +50,7 @@ Scene makeCornellBox() {
 }
 
 Scene makeCornellStar() {
-  Scene scene = named("cornell_star");
+  Scene scene = namedScene("cornell_star");
   addRoom(scene);
   const int star = addMesh(scene, makeStar(0.68, 5, 120, 48), addMaterial(scene, "bone", {0.90, 0.86, 0.76}));
   const int node = standNode(scene, "star", star, 0.0, -0.05, turned(90.0, {0, 0, 1}) * turned(90.0, {1, 0, 0}));
@@ -73,8 +58,17 @@ Scene makeCornellStar() {
   return scene;
 }
 
+Scene makeCornellKnot() {
+  Scene scene = namedScene("cornell_knot");
+  addRoom(scene);
+  const int knot = addMesh(scene, makeTorusKnot(0.62, 0.15, 2, 3, 90, 10), addMaterial(scene, "bone", {0.90, 0.86, 0.76}));
+  const int node = standNode(scene, "knot", knot, 0.0, -0.05, turned(12.0, kUp) * turned(-62.0, {1, 0, 0}));
+  spin(scene, node, kUp, 360.0);
+  return scene;
+}
+
 Scene makeClutter() {
-  Scene scene = named("clutter");
+  Scene scene = namedScene("clutter");
   addGround(scene, 4.4, 3.6, addMaterial(scene, "paper", {0.80, 0.74, 0.66}));
   const int clay = addMaterial(scene, "clay", {0.78, 0.45, 0.32}), sage = addMaterial(scene, "sage", {0.58, 0.64, 0.48});
   const int sand = addMaterial(scene, "sand", {0.86, 0.74, 0.52}), slate = addMaterial(scene, "slate", {0.46, 0.53, 0.60});
@@ -133,7 +127,7 @@ glm::dquat upright(const glm::dvec3& up) {
 }  // namespace
 
 Scene makeDefault(const std::filesystem::path& folder, std::vector<std::string>& notes) {
-  Scene scene = named("default");
+  Scene scene = namedScene("default");
   addGround(scene, 4.6, 3.4, addMaterial(scene, "paper", {0.80, 0.74, 0.66}));
   const int grey = addMaterial(scene, "elephant", {0.64, 0.63, 0.64}), bone = addMaterial(scene, "bunny", {0.90, 0.86, 0.78});
   const int jade = addMaterial(scene, "armadillo", {0.58, 0.66, 0.52}), clay = addMaterial(scene, "clay", {0.80, 0.46, 0.34});

@@ -1,11 +1,13 @@
 #include "data/make/shapes.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <functional>
 #include <map>
 #include <numbers>
+#include <string>
 #include <utility>
 
 #include <glm/geometric.hpp>
@@ -26,7 +28,7 @@ void addQuad(Mesh& mesh, std::uint32_t a, std::uint32_t b, std::uint32_t c, std:
 }
 
 // Area-weighted normals of shared vertices: edges that should look sharp have their vertices twice. Snapped as positions are.
-Mesh finished(Mesh mesh, const char* name) {
+Mesh finished(Mesh mesh, const std::string& name) {
   mesh.name = name;
   std::vector<glm::dvec3> sums(mesh.positions.size(), glm::dvec3(0.0));
   for (const glm::uvec3& t : mesh.triangles) {
@@ -218,6 +220,114 @@ Mesh makeStar(double radius, int arms, int segments, int rings) {
     mesh.triangles.emplace_back(north, index(i, rings - 1), index(i + 1, rings - 1));
   }
   return finished(std::move(mesh), "star");
+}
+
+namespace {
+
+// A flat face with vertices of its own, counter-clockwise from outside; turned over when `reversed`.
+void addFace(Mesh& mesh, const std::array<glm::dvec3, 4>& corners, bool reversed = false) {
+  std::array<std::uint32_t, 4> v{};
+  for (std::size_t i = 0; i < 4; ++i) v[i] = addVertex(mesh, corners[i]);
+  if (reversed) {
+    addQuad(mesh, v[3], v[2], v[1], v[0]);
+  } else {
+    addQuad(mesh, v[0], v[1], v[2], v[3]);
+  }
+}
+
+// A face in the plane y = `y` or x = `x`, through the whole depth `z` to both sides, looking along +y or +x, or against it.
+void addLevel(Mesh& mesh, double x0, double x1, double y, double z, bool up) {
+  addFace(mesh, {glm::dvec3(x0, y, -z), {x0, y, z}, {x1, y, z}, {x1, y, -z}}, !up);
+}
+void addSide(Mesh& mesh, double x, double y0, double y1, double z, bool right) {
+  addFace(mesh, {glm::dvec3(x, y0, -z), {x, y1, -z}, {x, y1, z}, {x, y0, z}}, !right);
+}
+
+}  // namespace
+
+Mesh makeStairs(int steps, double run, double rise, double width) {
+  Mesh mesh;
+  const double z = 0.5 * width, length = run * steps, left = -0.5 * length, bottom = -0.5 * rise * steps;
+  std::vector<glm::dvec2> profile = {{-left, bottom}, {left, bottom}};  // all of it is seen from its first corner
+  for (int i = 0; i < steps; ++i)
+    for (const int across : {0, 1}) profile.emplace_back(left + run * (i + across), bottom + rise * (i + 1));
+  for (const double side : {z, -z}) {
+    const auto first = static_cast<std::uint32_t>(mesh.positions.size());
+    for (const glm::dvec2& corner : profile) addVertex(mesh, {corner, side});
+    for (std::uint32_t i = 1; i + 1 < profile.size(); ++i)
+      mesh.triangles.emplace_back(first, first + (side > 0.0 ? i + 1 : i), first + (side > 0.0 ? i : i + 1));
+  }
+  for (int i = 0; i < steps; ++i) {
+    addSide(mesh, left + run * i, bottom + rise * i, bottom + rise * (i + 1), z, false);
+    addLevel(mesh, left + run * i, left + run * (i + 1), bottom + rise * (i + 1), z, true);
+  }
+  addSide(mesh, -left, bottom, -bottom, z, true);
+  addLevel(mesh, left, -left, bottom, z, false);
+  return finished(std::move(mesh), "stairs");
+}
+
+Mesh makeFrame(const glm::dvec3& extent, const glm::dvec2& holeMin, const glm::dvec2& holeMax) {
+  Mesh mesh;
+  const double z = 0.5 * extent.z;
+  const std::array<double, 4> xs = {-0.5 * extent.x, holeMin.x, holeMax.x, 0.5 * extent.x};
+  const std::array<double, 4> ys = {-0.5 * extent.y, holeMin.y, holeMax.y, 0.5 * extent.y};
+  for (std::size_t i = 0; i < 3; ++i) {
+    for (std::size_t j = 0; j < 3; ++j) {
+      if (i == 1 && j == 1) continue;
+      for (const double side : {z, -z})
+        addFace(mesh, {glm::dvec3(xs[i], ys[j], side), {xs[i + 1], ys[j], side}, {xs[i + 1], ys[j + 1], side}, {xs[i], ys[j + 1], side}},
+                side < 0.0);
+    }
+    addLevel(mesh, xs[i], xs[i + 1], ys[3], z, true);
+    addLevel(mesh, xs[i], xs[i + 1], ys[0], z, false);
+    addSide(mesh, xs[3], ys[i], ys[i + 1], z, true);
+    addSide(mesh, xs[0], ys[i], ys[i + 1], z, false);
+  }
+  addLevel(mesh, xs[1], xs[2], ys[1], z, true);
+  addLevel(mesh, xs[1], xs[2], ys[2], z, false);
+  addSide(mesh, xs[1], ys[1], ys[2], z, true);
+  addSide(mesh, xs[2], ys[1], ys[2], z, false);
+  return finished(std::move(mesh), "frame");
+}
+
+Mesh makeLeaf(double length, double width, double fold, double thickness) {
+  constexpr int kRows = 3;
+  Mesh mesh;
+  for (const double side : {1.0, -1.0}) {
+    const std::uint32_t base = addVertex(mesh, {0.0, 0.0, 0.0});
+    for (int row = 1; row <= kRows; ++row) {
+      const double along = row / (kRows + 1.0), half = 0.5 * width * std::sin(kPi * std::pow(along, 0.8));
+      addVertex(mesh, {-half, fold * 2.0 * half / width, length * along});
+      addVertex(mesh, {0.0, 0.5 * side * thickness, length * along});
+      addVertex(mesh, {half, fold * 2.0 * half / width, length * along});
+    }
+    const std::uint32_t tip = addVertex(mesh, {0.0, 0.0, length}), last = tip - 3;
+    const std::size_t first = mesh.triangles.size();
+    mesh.triangles.insert(mesh.triangles.end(), {{base, base + 1, base + 2}, {base, base + 2, base + 3}});
+    for (std::uint32_t left = base + 1; left < last; left += 3) {
+      addQuad(mesh, left, left + 3, left + 4, left + 1);
+      addQuad(mesh, left + 1, left + 4, left + 5, left + 2);
+    }
+    mesh.triangles.insert(mesh.triangles.end(), {{last, tip, last + 1}, {last + 1, tip, last + 2}});
+    if (side < 0.0)
+      for (std::size_t t = first; t < mesh.triangles.size(); ++t) std::swap(mesh.triangles[t].y, mesh.triangles[t].z);
+  }
+  return finished(std::move(mesh), "leaf");
+}
+
+Mesh merged(const std::vector<Mesh>& meshes, const char* name) {
+  Mesh whole;
+  for (const Mesh& mesh : meshes) {
+    const auto first = static_cast<std::uint32_t>(whole.positions.size());
+    whole.positions.insert(whole.positions.end(), mesh.positions.begin(), mesh.positions.end());
+    for (const glm::uvec3& t : mesh.triangles) whole.triangles.push_back(t + glm::uvec3(first));
+  }
+  return finished(std::move(whole), name);
+}
+
+Mesh transformed(Mesh mesh, const glm::dvec3& translation, const glm::dquat& rotation) {
+  for (glm::dvec3& position : mesh.positions) position = snapped(translation + rotation * position);
+  return finished(mesh, mesh.name);
 }
 
 }  // namespace overcast

@@ -2,7 +2,10 @@
 // Coordinates are snapped to micrometres, so that the last bits of a math library never reach a file.
 #pragma once
 
+#include <vector>
+
 #include <glm/gtc/quaternion.hpp>
+#include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
 
 #include "formats/mesh.h"
@@ -22,6 +25,18 @@ Mesh makeTorusKnot(double radius, double tubeRadius, int p, int q, int segments,
 /// A star with `arms` arms round the y axis, the first along x, and one to each pole (Gielis' superformula in both angles); `radius` to the
 /// tip of an arm.
 Mesh makeStar(double radius, int arms, int segments, int rings);
+/// Ascends along x: `steps` steps, each `run` deep and `rise` high, `width` along z, solid down to the floor.
+Mesh makeStairs(int steps, double run, double rise, double width);
+/// A box with a rectangular hole through it along z, from `holeMin` to `holeMax` in x and y, within the box.
+Mesh makeFrame(const glm::dvec3& extent, const glm::dvec2& holeMin, const glm::dvec2& holeMax);
+/// A leaf along z from the origin (its only point off centre): pointed, `width` at its widest, folded along its middle by `fold` (the
+/// height of its edges above the middle), `thickness` thick.
+Mesh makeLeaf(double length, double width, double fold, double thickness);
+
+/// Several closed meshes as one.
+Mesh merged(const std::vector<Mesh>& meshes, const char* name);
+/// The mesh moved to where a pose puts it.
+Mesh transformed(Mesh mesh, const glm::dvec3& translation, const glm::dquat& rotation);
 
 /// Nearest multiple of 1e-6.
 double snapped(double value);

@@ -11,8 +11,7 @@
 namespace overcast {
 namespace {
 
-constexpr int kKeys =
-    32;  // intervals of a sampled motion: straight lines between them differ from the curve by less than a millimetre per metre
+constexpr double kSlabThickness = 0.25;
 
 double linearFromDisplay(double value) {
   return value <= 0.04045 ? value / 12.92 : std::pow((value + 0.055) / 1.055, 2.4);
@@ -26,28 +25,34 @@ glm::dvec4 components(const glm::dquat& q) {
   return {q.x, q.y, q.z, q.w};
 }
 
-// A channel sampled at kKeys + 1 equal times; `value` takes the share of the loop in [0, 1].
+// A channel sampled at keys + 1 equal times; `value` takes the share of the loop in [0, 1].
 template <class Value>
-void addChannel(Scene& scene, int node, AnimatedProperty property, const Value& value) {
+void addChannel(Scene& scene, int node, AnimatedProperty property, int keys, const Value& value) {
   if (scene.animations.empty()) scene.animations.push_back({"loop", {}});
   AnimationChannel channel;
   channel.node = node;
   channel.property = property;
-  for (int key = 0; key <= kKeys; ++key) {
-    channel.times.push_back(kLoopSeconds * key / kKeys);
-    channel.values.push_back(value(key / double(kKeys)));
+  for (int key = 0; key <= keys; ++key) {
+    channel.times.push_back(kLoopSeconds * key / keys);
+    channel.values.push_back(value(key / double(keys)));
   }
   scene.animations[0].channels.push_back(std::move(channel));
 }
 
 template <class Angle>
-void turnOverTime(Scene& scene, int node, const glm::dvec3& axis, const Angle& degrees) {
+void turnOverTime(Scene& scene, int node, const glm::dvec3& axis, int keys, const Angle& degrees) {
   const glm::dquat start = scene.nodes[static_cast<std::size_t>(node)].rotation;
-  addChannel(scene, node, AnimatedProperty::rotation,
+  addChannel(scene, node, AnimatedProperty::rotation, keys,
              [&](double share) { return components(snapped(turned(degrees(share), axis) * start)); });
 }
 
 }  // namespace
+
+Scene namedScene(const std::string& name) {
+  Scene scene;
+  scene.name = name;
+  return scene;
+}
 
 glm::dquat turned(double degrees, const glm::dvec3& axis) {
   const double half = degrees * std::numbers::pi / 360.0;
@@ -85,6 +90,16 @@ int standNode(Scene& scene, const std::string& name, int mesh, double x, double 
   return addNode(scene, name, mesh, {{x, ground - lowest, z}, rotation});
 }
 
+void addChild(Scene& scene, int parent, int child) {
+  scene.nodes[static_cast<std::size_t>(child)].parent = parent;
+  scene.nodes[static_cast<std::size_t>(parent)].children.push_back(child);
+}
+
+void addGround(Scene& scene, double width, double depth, int material) {
+  const int mesh = addMesh(scene, makeBox({width, kSlabThickness, depth}), material);
+  addNode(scene, "ground", mesh, {{0.0, -0.5 * kSlabThickness, 0.0}});
+}
+
 void addCamera(Scene& scene, const glm::dvec3& eye, const glm::dvec3& target, double verticalDegrees) {
   Camera camera;
   camera.name = "camera";
@@ -97,21 +112,27 @@ void addCamera(Scene& scene, const glm::dvec3& eye, const glm::dvec3& target, do
   scene.nodes[static_cast<std::size_t>(node)].camera = static_cast<int>(scene.cameras.size()) - 1;
 }
 
-void spin(Scene& scene, int node, const glm::dvec3& axis, double degrees) {
-  turnOverTime(scene, node, axis, [=](double share) { return degrees * share; });
+void spin(Scene& scene, int node, const glm::dvec3& axis, double degrees, int keys) {
+  turnOverTime(scene, node, axis, keys, [=](double share) { return degrees * share; });
 }
 
 void sway(Scene& scene, int node, const glm::dvec3& axis, double degrees) {
-  turnOverTime(scene, node, axis, [=](double share) { return degrees * std::sin(2.0 * std::numbers::pi * share); });
+  turnOverTime(scene, node, axis, kMotionKeys, [=](double share) { return degrees * std::sin(2.0 * std::numbers::pi * share); });
 }
 
 void orbit(Scene& scene, int node, const glm::dvec3& middle, int bobs, double height) {
   const glm::dvec3 start = scene.nodes[static_cast<std::size_t>(node)].translation;
-  addChannel(scene, node, AnimatedProperty::translation, [&](double share) {
+  addChannel(scene, node, AnimatedProperty::translation, kMotionKeys, [&](double share) {
     const glm::dvec3 arm = turned(360.0 * share, {0, 1, 0}) * (start - middle);
     const double rise = 0.5 * height * (1.0 - std::cos(2.0 * std::numbers::pi * bobs * share));
     return glm::dvec4(snapped(middle + arm + glm::dvec3(0.0, rise, 0.0)), 0.0);
   });
+}
+
+void swing(Scene& scene, int node, const glm::dvec3& reach, double phase, int keys) {
+  const glm::dvec3 middle = scene.nodes[static_cast<std::size_t>(node)].translation;
+  addChannel(scene, node, AnimatedProperty::translation, keys,
+             [&](double share) { return glm::dvec4(snapped(middle + reach * std::sin(2.0 * std::numbers::pi * (share + phase))), 0.0); });
 }
 
 }  // namespace overcast

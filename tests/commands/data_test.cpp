@@ -1,11 +1,14 @@
 // The scenes and meshes in data/ are what the program makes, and sound: closed, facing outwards, standing on their ground, looping.
+#include <algorithm>
 #include <array>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
 #include <map>
 #include <string>
+#include <string_view>
 #include <utility>
+#include <vector>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -44,7 +47,7 @@ TEST(MakeData, MakesWhatIsCommittedByteForByte) {
     for (const auto& entry : fs::directory_iterator(folder / room))
       EXPECT_TRUE(fs::exists(kData / room / entry.path().filename())) << entry.path();
   }
-  EXPECT_EQ(files, 12u);
+  EXPECT_EQ(files, 22u);
 }
 
 TEST(MakeData, DefaultSceneDoesWithoutScannedMeshes) {
@@ -65,17 +68,8 @@ TEST(MakeData, SaysWhatItCannotWrite) {
   EXPECT_THAT(made.output, HasSubstr("overcast-make-data: /proc/overcast"));
 }
 
-class DataScene : public testing::TestWithParam<const char*> {
- protected:
-  void SetUp() override {
-    auto read = readScene(kData / "scenes" / (std::string(GetParam()) + ".gltf"));
-    ASSERT_TRUE(read.ok()) << message(read.error());
-    scene = std::move(read).value();
-  }
-  Scene scene;
-};
-
-TEST_P(DataScene, MeshesAreClosedAndFaceOutwards) {
+// Every mesh: each edge is met as often in one direction as in the other, and the volume is that of an inside.
+void expectClosedAndFacingOutwards(const Scene& scene) {
   for (const Mesh& mesh : scene.meshes) {
     using Point = std::array<double, 3>;
     std::map<std::pair<Point, Point>, int> edges;
@@ -94,14 +88,85 @@ TEST_P(DataScene, MeshesAreClosedAndFaceOutwards) {
   }
 }
 
+// What the program makes of `arguments`; the .bin, whose name is a hash of its content, is beside it.
+Scene generated(const std::string& arguments, const fs::path& file) {
+  const auto made = shell(kMakeData + " " + arguments + " -o " + quoted(file.string()));
+  EXPECT_EQ(made.exitCode, 0) << made.output;
+  auto scene = readScene(file);
+  EXPECT_TRUE(scene.ok()) << message(scene.error());
+  return scene.ok() ? std::move(scene).value() : Scene{};
+}
+
+TEST(MakeData, ClutterIsAsManyMovingObjectsAsAskedForThatNeverMeet) {
+  const fs::path folder = scratchFolder();
+  for (const int objects : {1, 300}) {
+    const Scene scene = generated(fmt::format("clutter --objects {} --seed 5", objects), folder / "clutter.gltf");
+    ASSERT_EQ(scene.nodes.size(), static_cast<std::size_t>(objects) + 2u) << "ground and camera besides";
+    ASSERT_EQ(scene.animations.size(), 1u);
+    EXPECT_EQ(scene.animations[0].channels.size(), static_cast<std::size_t>(objects));
+    for (const double time : {0.0, 0.3, 0.75, 1.4}) {
+      const auto world = worldFromLocal(scene, time);
+      std::vector<glm::dvec4> spheres;
+      for (std::size_t i = 0; i < scene.nodes.size(); ++i) {
+        if (scene.nodes[i].mesh < 0 || scene.nodes[i].name == "ground") continue;
+        double radius = 0.0;
+        for (const glm::dvec3& position : scene.meshes[static_cast<std::size_t>(scene.nodes[i].mesh)].positions)
+          radius = std::max(radius, glm::length(glm::dvec3(world[i] * glm::dvec4(position, 0.0))));
+        spheres.emplace_back(glm::dvec3(world[i][3]), radius);
+      }
+      for (std::size_t a = 0; a < spheres.size(); ++a)
+        for (std::size_t b = 0; b < a; ++b)
+          ASSERT_GT(glm::distance(glm::dvec3(spheres[a]), glm::dvec3(spheres[b])), spheres[a].w + spheres[b].w - 1e-5)
+              << a << " meets " << b;
+    }
+  }
+  EXPECT_NE(shell(kMakeData + " clutter --objects 0 -o x.gltf").exitCode, 0);
+}
+
+TEST(MakeData, RandomScenesAreSoundAndFollowFromTheirSeed) {
+  const fs::path folder = scratchFolder();
+  std::map<std::string, int> different;
+  for (int seed = 0; seed < 12; ++seed) {
+    const std::string arguments = fmt::format("random --seed {}", seed);
+    const Scene scene = generated(arguments, folder / "a" / "scene.gltf");
+    generated(arguments, folder / "b" / "scene.gltf");
+    const std::string text = contents(folder / "a" / "scene.gltf");
+    EXPECT_EQ(text, contents(folder / "b" / "scene.gltf"));
+    ++different[text];
+    EXPECT_EQ(scene.cameras.size(), 1u);
+    EXPECT_GE(scene.nodes.size(), 6u) << seed;
+    const glm::dvec3 size = extent(worldBounds(scene));
+    EXPECT_GT(size.x, 0.2) << seed;
+    EXPECT_LT(size.x, 80.0) << seed;
+    expectClosedAndFacingOutwards(scene);
+  }
+  EXPECT_EQ(different.size(), 12u);
+}
+
+class DataScene : public testing::TestWithParam<const char*> {
+ protected:
+  void SetUp() override {
+    auto read = readScene(kData / "scenes" / (std::string(GetParam()) + ".gltf"));
+    ASSERT_TRUE(read.ok()) << message(read.error());
+    scene = std::move(read).value();
+  }
+  Scene scene;
+};
+
+TEST_P(DataScene, MeshesAreClosedAndFaceOutwards) {
+  expectClosedAndFacingOutwards(scene);
+}
+
+// What others stand on or in.
+constexpr std::array<std::string_view, 7> kShell = {"ground", "floor", "ceiling", "left", "right", "back", "front"};
+
 TEST_P(DataScene, NothingSinksIntoTheGround) {
   for (const double time : {0.0, 0.4, 0.9, 1.5}) {
     const auto world = worldFromLocal(scene, time);
     for (std::size_t i = 0; i < scene.nodes.size(); ++i) {
       const Node& node = scene.nodes[i];
-      if (node.mesh < 0 || extent(bounds(scene.meshes[static_cast<std::size_t>(node.mesh)])).y < 0.2 || node.name == "ground" ||
-          node.name == "left" || node.name == "right" || node.name == "back")
-        continue;
+      const bool isShell = std::find(kShell.begin(), kShell.end(), node.name) != kShell.end();
+      if (node.mesh < 0 || isShell || extent(bounds(scene.meshes[static_cast<std::size_t>(node.mesh)])).y < 0.2) continue;
       for (const glm::dvec3& position : scene.meshes[static_cast<std::size_t>(node.mesh)].positions)
         ASSERT_GT((world[i] * glm::dvec4(position, 1.0)).y, -1e-4) << node.name << " at " << time;
     }
@@ -123,7 +188,9 @@ TEST_P(DataScene, LoopsWithoutAJump) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(All, DataScene, testing::Values("sphere_on_plane", "cornell_box", "cornell_star", "clutter"));
+INSTANTIATE_TEST_SUITE_P(All, DataScene,
+                         testing::Values("sphere_on_plane", "cornell_box", "cornell_knot", "cornell_star", "clutter", "clutter_64",
+                                         "room_with_window", "stairs_and_thin_walls", "foliage"));
 
 }  // namespace
 }  // namespace overcast::test
