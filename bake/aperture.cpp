@@ -288,19 +288,27 @@ std::vector<SurfaceSample> sampleSurface(const Mesh& mesh, std::uint64_t count, 
   return samples;
 }
 
+glm::dvec3 liftAt(const std::array<glm::dvec3, 3>& corners, const std::array<glm::dvec3, 3>& normals, const glm::dvec3& weight) {
+  const glm::dvec3 point = weight.x * corners[0] + weight.y * corners[1] + weight.z * corners[2];
+  glm::dvec3 lift(0.0);
+  for (std::size_t c = 0; c < 3; ++c)
+    lift -= weight[static_cast<int>(c)] * std::min(0.0, glm::dot(point - corners[c], normals[c])) * normals[c];
+  return lift;
+}
+
 SurfacePoint surfacePoint(const Mesh& mesh, const SurfaceSample& sample) {
   const glm::uvec3& t = mesh.triangles[sample.triangle];
-  glm::dvec3 point(0.0), normal(0.0), lift(0.0);
+  std::array<glm::dvec3, 3> corners, normals;
+  glm::dvec3 point(0.0), normal(0.0);
   for (int c = 0; c < 3; ++c) {
-    point += sample.weight[c] * mesh.positions[t[c]];
-    normal += sample.weight[c] * glm::dvec3(mesh.normals[t[c]]);
+    const auto i = static_cast<std::size_t>(c);
+    corners[i] = mesh.positions[t[c]];
+    normals[i] = glm::dvec3(mesh.normals[t[c]]);
+    point += sample.weight[c] * corners[i];
+    normal += sample.weight[c] * normals[i];
   }
-  for (int c = 0; c < 3; ++c) {
-    const glm::dvec3 n(mesh.normals[t[c]]);
-    lift -= sample.weight[c] * std::min(0.0, glm::dot(point - mesh.positions[t[c]], n)) * n;
-  }
-  const glm::dvec3 a = mesh.positions[t.y] - mesh.positions[t.x], b = mesh.positions[t.z] - mesh.positions[t.x];
-  return {point + lift, glm::vec3(unitOr(normal, unitOr(glm::cross(a, b), glm::dvec3(0.0, 1.0, 0.0))))};
+  const glm::dvec3 face = glm::cross(corners[1] - corners[0], corners[2] - corners[0]);
+  return {point + liftAt(corners, normals, sample.weight), glm::vec3(unitOr(normal, unitOr(face, glm::dvec3(0.0, 1.0, 0.0))))};
 }
 
 }  // namespace overcast

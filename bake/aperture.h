@@ -1,6 +1,7 @@
 // Aperture: visibility baked into the vertices of a mesh (DESIGN 4, 5.5; Oat and Sander 2006, section 8.3).
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <optional>
 #include <vector>
@@ -78,8 +79,12 @@ struct SurfaceSample {
 /// Points evenly at random over the area of the triangles; the same on every machine. Empty when there is no area.
 std::vector<SurfaceSample> sampleSurface(const Mesh& mesh, std::uint64_t count, std::uint64_t seed);
 
-/// Where to look from at a sample: the interpolated normal and the point on the smooth surface that the normals suggest (Hanika 2021,
-/// "Hacking the Shadow Terminator"), so that flat triangles do not hide the sky from normals that are bent away from them.
+/// How far a point of a triangle lies from the smooth surface that unit (or zero) normals at its corners suggest, outwards (Hanika 2021,
+/// "Hacking the Shadow Terminator"). Zero at corners and where that surface is hollow.
+glm::dvec3 liftAt(const std::array<glm::dvec3, 3>& corners, const std::array<glm::dvec3, 3>& normals, const glm::dvec3& weight);
+
+/// Where to look from at a sample: the interpolated normal and the point on the smooth surface (liftAt), so that flat triangles do not hide
+/// the sky from normals that are bent away from them.
 SurfacePoint surfacePoint(const Mesh& mesh, const SurfaceSample& sample);
 
 }  // namespace overcast

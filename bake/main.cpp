@@ -6,6 +6,7 @@
 #include "bake/command.h"
 #include "bake/explain_command.h"
 #include "bake/inspect_command.h"
+#include "bake/reference_command.h"
 #include "bake/validate_command.h"
 #include "bake/verify_command.h"
 #include "formats/console.h"
@@ -18,6 +19,8 @@ constexpr Command kCommands[] = {
     {"bake", "bake meshes and scenes into a folder (the command when none is named)", bakeCommand},
     {"explain", "print what every representation of a mesh costs and how far off it is, and which one is chosen", explainCommand},
     {"inspect", "print what is in a baked scene, a plain scene, a mesh or a volume", inspectCommand},
+    {"reference", "trace the truth that estimates are measured against: views and points of a scene, with standard errors",
+     referenceCommand},
     {"validate", "check a baked scene or a volume: files, hashes, bounds, values", validateCommand},
     {"verify", "measure a baked scene again from its sources and compare with what it states", verifyCommand},
 };

@@ -66,7 +66,7 @@ struct ReferenceInfo {
   std::uint64_t points = 0;    ///< of points: how many there are
   glm::dvec3 origin{0.0};      ///< of points: world position that their positions are relative to
   double distanceBound = 0.0;  ///< metres; 0: none, `ao` is then the same as `sky`
-  double targetError = 0.0;  ///< mean standard error that was asked for: of sky, dome, ao; of colours times the mean of all light; 0: none
+  double targetError = 0.0;    ///< mean standard error that was asked for (--error); 0: none
   std::uint64_t seed = 0;
   double seconds = 0.0;  ///< of tracing, on the machine at hand
   std::vector<ReferenceQuantity> quantities;

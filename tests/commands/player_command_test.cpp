@@ -11,6 +11,7 @@
 #include "formats/composite_costs.h"
 #include "formats/files.h"
 #include "formats/image.h"
+#include "formats/scene.h"
 #include "tests/commands/scratch.h"
 #include "tests/commands/shell.h"
 #include "tests/runtime/baked_scene.h"
@@ -74,6 +75,31 @@ TEST_F(PlayerCommand, WritesPicturesAndATable) {
     EXPECT_EQ(exr.value().height, 48);
     EXPECT_GE(channelIndex(exr.value(), "sky"), 0);
   }
+}
+
+TEST_F(PlayerCommand, ItsPixelsAreThoseOfTheReference) {
+  // Where other base colours change the picture, it shows a surface.
+  Scene other = readScene(scene).value();
+  for (Material& material : other.materials) material.baseColour *= 0.5f;
+  ASSERT_TRUE(writeScene(folder / "other.gltf", other).ok());
+  for (const char* name : {"scene", "other"})
+    ASSERT_EQ(play(fmt::format("{0}.gltf --headless --frames 3 --size 64x48 --supersample 1 -o {0}.exr", name)).exitCode, 0);
+  const ShellResult traced = shell(fmt::format("{}/overcast-bake reference scene.gltf -o truth --frames 3 --size 64x48 --samples 128 "
+                                               "--quantities sky",
+                                               quoted(OVERCAST_BINARY_FOLDER)),
+                                   folder);
+  ASSERT_EQ(traced.exitCode, 0) << traced.output;
+  const Image drawn = readExr(folder / "scene.exr").value(), dimmed = readExr(folder / "other.exr").value();
+  const Image truth = readExr(folder / "truth/view0_0003.exr").value();
+  const int green = channelIndex(drawn, "G"), depth = channelIndex(truth, "depth");
+  int surfaces = 0, others = 0;
+  for (int y = 0; y < 48; ++y)
+    for (int x = 0; x < 64; ++x) {
+      surfaces += at(truth, x, y, depth) >= 0.0f;
+      others += (at(truth, x, y, depth) >= 0.0f) != (at(drawn, x, y, green) != at(dimmed, x, y, green));
+    }
+  EXPECT_GT(surfaces, 300);
+  EXPECT_LE(others, 1) << "but for a silhouette within the rounding of single floats of a pixel's middle";
 }
 
 TEST_F(PlayerCommand, GivesTheSameBytesTwice) {
