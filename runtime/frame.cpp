@@ -20,6 +20,8 @@ Result<Done> checkSettings(const FrameSettings& settings) {
     return Error{"", "", fmt::format("a global volume of {} voxels is not a multiple of 8 from 32 to 256", *settings.resolution)};
   if (settings.taps && (*settings.taps < 1 || *settings.taps > shared::kMaxTaps))
     return Error{"", "", fmt::format("{} taps are outside 1 to {}", *settings.taps, shared::kMaxTaps)};
+  if (!(settings.constant >= 0.0f && settings.constant <= 1.0f))
+    return Error{"", "", fmt::format("a sky visibility of {} is outside 0 to 1", settings.constant)};
   return Done{};
 }
 
@@ -35,6 +37,8 @@ void destroyTargets(const Device& device, FrameTargets& targets) {
   destroyTonemapPass(device, targets.tonemap);
   if (targets.aperture) destroyAperturePass(device, *targets.aperture);
   targets.aperture.reset();
+  if (targets.baseline) destroyBaseline(device, *targets.baseline);
+  targets.baseline.reset();
   destroyShadePass(device, targets.shade);
   destroyImage(device, targets.light);
   destroyGeometryImages(device, targets.images);
@@ -47,13 +51,52 @@ Result<Done> makeTargets(const Device& device, FrameRenderer& renderer) {
                         static_cast<std::uint32_t>(settings.height * settings.supersample)};
   Result<Done> done = take(makeGeometryImages(device, full, renderer.apertures), targets.images);
   if (done) done = take(makeLightImage(device, targets.images), targets.light);
-  if (done) done = take(makeShadePass(device, targets.images, targets.light, renderer.pyramid, renderer.taps), targets.shade);
+  if (done && settings.technique != Technique::overcast) {
+    const BaselineInputs inputs{targets.images, targets.light, renderer.composite.volume};
+    done = take(makeBaseline(device, settings.technique, settings.constant, inputs), targets.baseline.emplace());
+  } else if (done) {
+    done = take(makeShadePass(device, targets.images, targets.light, renderer.pyramid, renderer.taps), targets.shade);
+  }
   if (done && renderer.apertures) {
     const ApertureInputs inputs{targets.images, targets.light, renderer.manyObjects ? &renderer.pyramid : nullptr};
     done = take(makeAperturePass(device, inputs, settings.apertureMode), targets.aperture.emplace());
   }
   if (done) done = take(makeTonemapPass(device, targets.light, settings.supersample), targets.tonemap);
   return done;
+}
+
+const char* nameOf(FramePass pass, Technique technique) {
+  switch (pass) {
+    case FramePass::composite:
+      return "composite";
+    case FramePass::pyramid:
+      return "pyramid";
+    case FramePass::geometry:
+      return "geometry";
+    case FramePass::shade:
+      return "shade";
+    case FramePass::tonemap:
+      return "tonemap";
+    case FramePass::aperture:
+      return "aperture";
+    case FramePass::denoise:
+      return "denoise";
+    case FramePass::baseline:
+      break;
+  }
+  return nameOf(technique);
+}
+
+std::vector<FramePass> passesOf(Technique technique, bool apertures) {
+  if (technique != Technique::overcast) {
+    std::vector<FramePass> passes{FramePass::geometry, FramePass::tonemap, FramePass::baseline};
+    if (readsVolume(technique)) passes.insert(passes.begin(), FramePass::composite);
+    if (denoises(technique)) passes.push_back(FramePass::denoise);
+    return passes;
+  }
+  std::vector<FramePass> passes{FramePass::composite, FramePass::pyramid, FramePass::geometry, FramePass::shade, FramePass::tonemap};
+  if (apertures) passes.push_back(FramePass::aperture);
+  return passes;
 }
 
 Result<Done> makeSubmission(const Device& device, FrameRenderer& renderer) {
@@ -65,8 +108,10 @@ Result<Done> makeSubmission(const Device& device, FrameRenderer& renderer) {
   const VkFenceCreateInfo fence{VK_STRUCTURE_TYPE_FENCE_CREATE_INFO};
   if (made == VK_SUCCESS) made = vkCreateFence(device.device, &fence, nullptr, &renderer.done);
   if (made != VK_SUCCESS) return vulkanError(made, "cannot make a command buffer");
-  std::vector<std::string> names{"composite", "pyramid", "geometry", "shade", "tonemap"};
-  if (renderer.apertures) names.emplace_back("aperture");
+  const Technique technique = renderer.settings.technique;
+  renderer.passes = passesOf(technique, renderer.apertures);
+  std::vector<std::string> names;
+  for (const FramePass pass : renderer.passes) names.emplace_back(nameOf(pass, technique));
   return take(makePassTimer(device, std::move(names)), renderer.timer);
 }
 
@@ -74,27 +119,38 @@ Result<Done> fillRenderer(const Device& device, const RuntimeScene& scene, Frame
   const GlobalVolume& wanted = scene.lighting.globalVolume;
   const int resolution = renderer.settings.resolution.value_or(wanted.resolution);
   renderer.grid = globalGrid(wanted.bounds.value_or(scene.bounds), resolution);
-  renderer.apertures = hasApertures(scene);
+  const Technique technique = renderer.settings.technique;
+  renderer.apertures = technique == Technique::overcast && hasApertures(scene);
   renderer.manyObjects = scene.objects.size() > 1;
   Estimator estimator = scene.lighting.estimator;
   if (renderer.settings.taps) estimator.taps = *renderer.settings.taps;
   Result<Done> done = take(skyTaps(estimator, resolution), renderer.taps);
-  if (done) done = take(makeAssetStore(device, scene.assets), renderer.store);
   const auto objects = static_cast<std::uint32_t>(scene.objects.size());
-  if (done) done = take(makeCompositePass(device, renderer.grid, renderer.store, objects), renderer.composite);
-  if (done) done = take(makePyramidPass(device, renderer.composite.volume, renderer.taps.count), renderer.pyramid);
-  if (done) done = take(makeGeometryPass(device, scene.vertices, scene.indices, objects, scene.apertures), renderer.geometry);
+  if (done && readsVolume(technique)) done = take(makeAssetStore(device, scene.assets), renderer.store);
+  if (done && readsVolume(technique)) done = take(makeCompositePass(device, renderer.grid, renderer.store, objects), renderer.composite);
+  if (done && technique == Technique::overcast)
+    done = take(makePyramidPass(device, renderer.composite.volume, renderer.taps.count), renderer.pyramid);
+  if (done)
+    done = take(makeGeometryPass(device, scene.vertices, scene.indices, objects, renderer.apertures ? scene.apertures : GpuBuffer{}),
+                renderer.geometry);
   if (done) done = makeSubmission(device, renderer);
   if (done) done = makeTargets(device, renderer);
   return done;
 }
 
-/// Runs `record` between the timestamps of `pass`.
+/// Runs `record` between the timestamps of `pass`; when it returns false, the pass counts as skipped.
 template <class Record>
-void timed(VkCommandBuffer commands, PassTimer& timer, FramePass pass, const Record& record) {
-  beginPass(commands, timer, 0, static_cast<std::uint32_t>(pass));
-  record();
-  endPass(commands, timer, 0, static_cast<std::uint32_t>(pass));
+bool timed(VkCommandBuffer commands, FrameRenderer& renderer, FramePass pass, const Record& record) {
+  const auto place = std::find(renderer.passes.begin(), renderer.passes.end(), pass);
+  const auto slot = static_cast<std::uint32_t>(place - renderer.passes.begin());
+  beginPass(commands, renderer.timer, 0, slot);
+  bool ran = true;
+  if constexpr (std::is_void_v<decltype(record())>)
+    record();
+  else
+    ran = record();
+  if (ran) endPass(commands, renderer.timer, 0, slot);
+  return ran;
 }
 
 /// The records of all objects at one time, for both passes that want them.
@@ -107,7 +163,8 @@ Placed placeObjects(const FrameRenderer& renderer, const RuntimeScene& scene, co
   Placed placed;
   for (const SceneObject& object : scene.objects) {
     const glm::dmat4& node = nodes[object.node];
-    placed.occluders.push_back(compositeObject(renderer.store.entries[object.asset], node, renderer.grid));
+    if (!renderer.store.entries.empty())
+      placed.occluders.push_back(compositeObject(renderer.store.entries[object.asset], node, renderer.grid));
     glm::dmat4 fromCentre = node;
     fromCentre[3] = node * glm::dvec4(scene.meshes[object.mesh].centre, 1.0);
     placed.instances.push_back(geometryInstance(fromCentre, eye(view)));
@@ -137,18 +194,25 @@ struct Seen {
   glm::dvec3 eye{0.0};
 };
 
-/// Light of all pixels: through apertures where the scene has them, else from the pyramid.
+/// Light of all pixels: by another technique than ours, through apertures where the scene has them, else from the pyramid.
 void recordLight(VkCommandBuffer commands, FrameRenderer& renderer, const Lighting& lighting, const std::vector<glm::dmat4>& nodes,
                  const Seen& seen) {
   FrameTargets& targets = renderer.targets;
+  if (targets.baseline) {
+    const ScreenView view{seen.clipFromRelative, seen.eye, lighting.skyColour};
+    timed(commands, renderer, FramePass::baseline, [&] { recordBaseline(commands, *targets.baseline, renderer.grid, view); });
+    if (denoises(renderer.settings.technique))
+      timed(commands, renderer, FramePass::denoise, [&] { recordDenoise(commands, *targets.baseline, view); });
+    return;
+  }
   if (targets.aperture) {
     const ApertureView view{seen.clipFromRelative, seen.eye, lighting.skyColour};
-    timed(commands, renderer.timer, FramePass::aperture,
+    timed(commands, renderer, FramePass::aperture,
           [&] { recordAperture(commands, *targets.aperture, renderer.grid, apertureLights(lighting, nodes, seen.eye), view); });
     return;
   }
   const ShadeView view{seen.clipFromRelative, seen.eye, lighting.skyColour, lighting.up};
-  timed(commands, renderer.timer, FramePass::shade, [&] { recordShade(commands, targets.shade, renderer.grid, view); });
+  timed(commands, renderer, FramePass::shade, [&] { recordShade(commands, targets.shade, renderer.grid, view); });
 }
 
 Image imageOf(const GpuImage& image, std::vector<std::string> channels) {
@@ -207,20 +271,19 @@ void recordFrame(VkCommandBuffer commands, FrameRenderer& renderer, const Runtim
   const double aspect = static_cast<double>(renderer.settings.width) / renderer.settings.height;
   const glm::dmat4 clip = clipFromRelative(view, aspect);
   FrameTargets& targets = renderer.targets;
-  PassTimer& timer = renderer.timer;
-  beginTimedFrame(commands, timer, 0);
-  beginPass(commands, timer, 0, static_cast<std::uint32_t>(FramePass::composite));
-  if (recordComposite(commands, renderer.composite, placed.occluders)) {
-    endPass(commands, timer, 0, static_cast<std::uint32_t>(FramePass::composite));
-    if (!targets.aperture) timed(commands, timer, FramePass::pyramid, [&] { recordPyramid(commands, renderer.pyramid); });
-  }
-  timed(commands, timer, FramePass::geometry,
+  beginTimedFrame(commands, renderer.timer, 0);
+  const Technique technique = renderer.settings.technique;
+  const bool composited = readsVolume(technique) && timed(commands, renderer, FramePass::composite,
+                                                          [&] { return recordComposite(commands, renderer.composite, placed.occluders); });
+  if (composited && technique == Technique::overcast && !targets.aperture)
+    timed(commands, renderer, FramePass::pyramid, [&] { recordPyramid(commands, renderer.pyramid); });
+  timed(commands, renderer, FramePass::geometry,
         [&] { recordGeometry(commands, renderer.geometry, targets.images, placed.instances, drawsOf(scene), glm::mat4(clip)); });
   const std::optional<Daylight>& day = renderer.settings.daylight;
   const Lighting lighting = day ? lightingAt(scene.lighting, day->start + day->hoursPerSecond * time) : scene.lighting;
   recordLight(commands, renderer, lighting, nodes, {clip, eye(view)});
   const TonemapView shown{glm::mat4(glm::inverse(clip)), lighting.skyColour, lighting.up, lighting.exposure};
-  timed(commands, timer, FramePass::tonemap, [&] { recordTonemap(commands, targets.tonemap, shown); });
+  timed(commands, renderer, FramePass::tonemap, [&] { recordTonemap(commands, targets.tonemap, shown); });
 }
 
 Result<std::vector<PassTime>> renderFrame(const Device& device, FrameRenderer& renderer, const RuntimeScene& scene, double time,

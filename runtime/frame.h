@@ -1,8 +1,8 @@
 // Frame: the ordered passes that this scene needs, from a point in time to a picture:
 //   transforms -> composite -> pyramid -> geometry -> shade -> tonemap
-// Composite and pyramid are skipped while nothing moves. Scenes with apertures have the aperture pass in place of pyramid and shade; to
-// others it costs nothing. The same scene, time,
-// view and settings give the same bytes on one device, whatever frames came before.
+// A technique other than Overcast's own (technique.h) has its passes in place of pyramid and shade, and no global volume where it reads
+// none. Composite and pyramid are skipped while nothing moves. Scenes with apertures have the aperture pass in place of pyramid and shade;
+// to others it costs nothing. The same scene, time, view and settings give the same bytes on one device, whatever frames came before.
 #pragma once
 
 #include <optional>
@@ -13,6 +13,7 @@
 #include "formats/camera.h"
 #include "formats/image.h"
 #include "runtime/asset_store.h"
+#include "runtime/baseline.h"
 #include "runtime/daylight.h"
 #include "runtime/passes/aperture/aperture_pass.h"
 #include "runtime/passes/composite/composite_pass.h"
@@ -21,6 +22,7 @@
 #include "runtime/passes/shade/shade_pass.h"
 #include "runtime/passes/tonemap/tonemap_pass.h"
 #include "runtime/scene.h"
+#include "runtime/technique.h"
 #include "runtime/vulkan/device.h"
 #include "runtime/vulkan/timer.h"
 
@@ -34,17 +36,21 @@ struct FrameSettings {
   std::optional<int> taps;        ///< of the estimator; else the scene's
   ApertureMode apertureMode = ApertureMode::accurate;
   std::optional<Daylight> daylight;  ///< else sun and sky stay as the scene has them
+  Technique technique = Technique::overcast;
+  float constant = 0.5f;  ///< sky visibility of Technique::constant, 0 to 1
 };
 
-/// The passes of a frame; indices into what renderFrame returns, which ends before `aperture` where the scene has none.
-enum class FramePass { composite, pyramid, geometry, shade, tonemap, aperture };
+/// The passes of a frame. With Technique::overcast they are indices into what renderFrame returns, which ends before `aperture` where the
+/// scene has none; other techniques have those of these that they need, in this order. `baseline` is named as the technique.
+enum class FramePass { composite, pyramid, geometry, shade, tonemap, aperture, baseline, denoise };
 
 /// What depends on the size of the picture.
 struct FrameTargets {
   GeometryImages images;
-  GpuImage light;  ///< makeLightImage
-  ShadePass shade;
-  std::optional<AperturePass> aperture;  ///< of scenes with apertures
+  GpuImage light;                        ///< makeLightImage
+  ShadePass shade;                       ///< of Technique::overcast
+  std::optional<AperturePass> aperture;  ///< of Technique::overcast in scenes with apertures
+  std::optional<Baseline> baseline;      ///< of other techniques
   TonemapPass tonemap;
 };
 
@@ -52,7 +58,7 @@ struct FrameTargets {
 struct FrameRenderer {
   FrameSettings settings;
   SkyTaps taps;
-  bool apertures = false;    ///< the scene has some
+  bool apertures = false;    ///< the scene has some and the technique reads them
   bool manyObjects = false;  ///< that can stand in each other's light
   GlobalGrid grid;
   AssetStore store;
@@ -60,6 +66,7 @@ struct FrameRenderer {
   PyramidPass pyramid;
   GeometryPass geometry;
   FrameTargets targets;
+  std::vector<FramePass> passes;  ///< that a frame may run, in the order of renderFrame
   PassTimer timer;
   VkCommandBuffer commands = VK_NULL_HANDLE;
   VkFence done = VK_NULL_HANDLE;

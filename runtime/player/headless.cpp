@@ -2,7 +2,6 @@
 
 #include "formats/image.h"
 #include "formats/view_options.h"
-#include "runtime/frame.h"
 
 namespace overcast {
 namespace {
@@ -35,15 +34,21 @@ std::optional<Failure> playFrames(const Device& device, FrameRenderer& renderer,
 
 }  // namespace
 
+FrameSettings frameSettings(const PlayerOptions& options) {
+  FrameSettings settings{options.width, options.height,       options.supersample, options.resolution,
+                         options.taps,  options.apertureMode, options.daylight};
+  settings.technique = options.technique;
+  settings.constant = options.constant;
+  return settings;
+}
+
 View viewOf(const PlayerOptions& options, const RuntimeScene& scene, double time) {
   return chooseView(scene.scene, scene.bounds, options.camera, time, static_cast<double>(options.width) / options.height);
 }
 
 std::optional<Failure> playHeadless(const Device& device, const RuntimeScene& scene, const PlayerOptions& options, PlayResult& result) {
   result.device = device.info;
-  const FrameSettings settings{options.width, options.height,       options.supersample, options.resolution,
-                               options.taps,  options.apertureMode, options.daylight};
-  Result<FrameRenderer> renderer = makeFrameRenderer(device, scene, settings);
+  Result<FrameRenderer> renderer = makeFrameRenderer(device, scene, frameSettings(options));
   if (!renderer) return Failure{renderer.error(), renderer.error().file.empty() ? ExitCode::noDevice : ExitCode::internal};
   auto failure = playFrames(device, renderer.value(), scene, options, result);
   destroyFrameRenderer(device, renderer.value());

@@ -3,6 +3,7 @@
 
 #include "formats/camera.h"
 #include "formats/result.h"
+#include "runtime/frame.h"
 #include "runtime/player/options.h"
 #include "runtime/player/report.h"
 #include "runtime/scene.h"
@@ -15,6 +16,9 @@ struct Failure {
   Error error;
   ExitCode code = ExitCode::internal;
 };
+
+/// What the renderer is made with.
+FrameSettings frameSettings(const PlayerOptions& options);
 
 /// The view at `time`: --camera, else the scene's.
 View viewOf(const PlayerOptions& options, const RuntimeScene& scene, double time);

@@ -49,6 +49,19 @@ const std::map<std::string, ApertureMode> kApertureModes{{"exact", ApertureMode:
                                                          {"fast", ApertureMode::fast},
                                                          {"accurate", ApertureMode::accurate}};
 
+std::map<std::string, Technique> techniques() {
+  std::map<std::string, Technique> names;
+  for (const NamedTechnique& named : kTechniques) names.emplace(named.name, named.technique);
+  return names;
+}
+
+std::string otherTechniques() {
+  std::string names;
+  for (const NamedTechnique& named : kTechniques)
+    if (named.technique != Technique::overcast) names += (names.empty() ? "" : ", ") + std::string(named.name);
+  return names;
+}
+
 constexpr const char* kFooter =
     "Exit codes: 0 done, 1 internal error (or validation messages), 2 usage, 3 unreadable scene, 4 cannot write, 5 no usable device.\n"
     "Without --camera the scene's own camera is taken, or one that shows the whole scene.\n"
@@ -101,6 +114,12 @@ ParsedOptions parseOptions(int argc, char** argv) {
   app.add_option("--aperture-mode", options.apertureMode,
                  "how lights shine through apertures: exact, smoothstep (as published), fast or accurate (default)")
       ->transform(CLI::CheckedTransformer(kApertureModes, CLI::ignore_case).description(""));
+  app.add_option("--technique", options.technique,
+                 "how sky visibility is found: overcast (default: the scene's estimator), or what else there is: " + otherTechniques())
+      ->transform(CLI::CheckedTransformer(techniques(), CLI::ignore_case).description(""));
+  app.add_option("--constant", options.constant, "sky visibility of --technique constant")
+      ->check(CLI::Range(0.0, 1.0))
+      ->capture_default_str();
   auto* hourOption = app.add_option("--time-of-day", day.start, "sun and sky as at this hour, at time 0 (default: as the scene has them)")
                          ->check(CLI::Range(0.0, 24.0));
   app.add_option("--hours-per-second", day.hoursPerSecond, "how fast the day passes, from --time-of-day on")

@@ -10,6 +10,7 @@
 #include "formats/view_options.h"
 #include "runtime/daylight.h"
 #include "runtime/passes/aperture/aperture_pass.h"
+#include "runtime/technique.h"
 
 namespace CLI {
 class App;
@@ -40,6 +41,8 @@ struct PlayerOptions {
   int supersample = 2;
   ApertureMode apertureMode = ApertureMode::accurate;
   std::optional<Daylight> daylight;
+  Technique technique = Technique::overcast;
+  float constant = 0.5f;  ///< of Technique::constant
 };
 
 /// What the command line says, or the exit code when there is nothing to do any more (help was shown, or a usage error reported).

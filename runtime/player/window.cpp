@@ -207,9 +207,7 @@ std::optional<Failure> playInWindow(const Device& device, const RuntimeScene& sc
   const VkResult surface = glfwCreateWindowSurface(device.instance, window.handle, nullptr, &screen.surface);
   if (surface != VK_SUCCESS) return Failure{vulkanError(surface, "cannot draw in the window"), ExitCode::noDevice};
   std::optional<Failure> failure;
-  const FrameSettings settings{options.width, options.height,       options.supersample, options.resolution,
-                               options.taps,  options.apertureMode, options.daylight};
-  Result<FrameRenderer> renderer = makeFrameRenderer(device, scene, settings);
+  Result<FrameRenderer> renderer = makeFrameRenderer(device, scene, frameSettings(options));
   if (renderer) {
     screen.renderer = std::move(renderer).value();
     failure = loop(device, scene, options, window.handle, controls, screen);

@@ -145,14 +145,27 @@ TEST_F(PlayerCommand, MovesTheCamera) {
 }
 
 TEST_F(PlayerCommand, EndsUsageErrorsWithTwo) {
-  for (const char* arguments :
-       {"", "scene.gltf --headless --frames 3:1", "scene.gltf --headless --frames -1", "scene.gltf --headless --frames a",
-        "scene.gltf --headless --size 0x9", "scene.gltf --headless --size 99999x9", "scene.gltf --headless --camera 1,2,3",
-        "scene.gltf --headless --camera 1,2,3,1,2,3", "scene.gltf --headless --camera 1,2,3,4,5,nan", "scene.gltf --headless --taps 0",
-        "scene.gltf --headless --aperture-mode none", "scene.gltf --headless --time-of-day 25",
-        "scene.gltf --headless --hours-per-second 1", "scene.gltf --headless --resolution 100", "scene.gltf --headless -o f.jpg",
-        "scene.gltf --headless --frames 0:1 -o f.png", "scene.gltf --headless --fps 0", "scene.gltf --headless --supersample 9",
-        "scene.gltf --nonsense"}) {
+  for (const char* arguments : {"",
+                                "scene.gltf --headless --frames 3:1",
+                                "scene.gltf --headless --frames -1",
+                                "scene.gltf --headless --frames a",
+                                "scene.gltf --headless --size 0x9",
+                                "scene.gltf --headless --size 99999x9",
+                                "scene.gltf --headless --camera 1,2,3",
+                                "scene.gltf --headless --camera 1,2,3,1,2,3",
+                                "scene.gltf --headless --camera 1,2,3,4,5,nan",
+                                "scene.gltf --headless --taps 0",
+                                "scene.gltf --headless --aperture-mode none",
+                                "scene.gltf --headless --time-of-day 25",
+                                "scene.gltf --headless --hours-per-second 1",
+                                "scene.gltf --headless --resolution 100",
+                                "scene.gltf --headless -o f.jpg",
+                                "scene.gltf --headless --frames 0:1 -o f.png",
+                                "scene.gltf --headless --fps 0",
+                                "scene.gltf --headless --supersample 9",
+                                "scene.gltf --headless --technique magic",
+                                "scene.gltf --headless --constant 2",
+                                "scene.gltf --nonsense"}) {
     const ShellResult result = play(arguments);
     EXPECT_EQ(result.exitCode, 2) << arguments << ": " << result.output;
     EXPECT_THAT(result.output, Not(testing::IsEmpty())) << arguments;

@@ -177,5 +177,43 @@ TEST_F(Loading, SaysWhichEstimatorItDoesNotKnow) {
   expectError(folder / "other.gltf", "estimator", "palantir");
 }
 
+TEST_F(Frames, OfEveryTechniqueRunWhatItNeedsAndLeaveTheSkysVisibility) {
+  const fs::path file = writeBakedScene(temporaryFolder());
+  for (const NamedTechnique& named : kTechniques) {
+    if (named.technique == Technique::overcast) continue;
+    settings.technique = named.technique;
+    settings.constant = 0.25f;
+    open(file, settings);
+    const std::vector<PassTime> times = render(0.0);
+    const auto has = [&](const std::string& name) {
+      return std::any_of(times.begin(), times.end(), [&](const PassTime& time) { return time.name == name && !time.skipped; });
+    };
+    for (const char* name : {"geometry", "tonemap", named.name}) EXPECT_TRUE(has(name)) << named.name << " without " << name;
+    EXPECT_EQ(has("composite"), readsVolume(named.technique)) << named.name;
+    EXPECT_EQ(has("denoise"), denoises(named.technique)) << named.name;
+    EXPECT_FALSE(has("shade") || has("pyramid")) << named.name;
+    const Image first = linear();
+    const int sky = channelIndex(first, "sky");
+    float darkest = 1.0f, lightest = 0.0f;
+    for (std::size_t i = static_cast<std::size_t>(sky); i < first.pixels.size(); i += 4) {
+      darkest = std::min(darkest, first.pixels[i]);
+      lightest = std::max(lightest, first.pixels[i]);
+    }
+    const bool varies = named.technique != Technique::constant;
+    EXPECT_GE(darkest, 0.0f) << named.name;
+    EXPECT_LT(darkest, varies ? 0.2f : 0.26f) << named.name;
+    EXPECT_EQ(lightest, 1.0f) << named.name << ", behind the scene";
+    render(0.0);
+    EXPECT_EQ(linear().pixels, first.pixels) << named.name << " has no history";
+    close();
+  }
+  settings.constant = 1.5f;
+  const Result<RuntimeScene> loaded = loadScene(device, file);
+  ASSERT_TRUE(loaded.ok());
+  scene = loaded.value();
+  settings.technique = Technique::constant;
+  EXPECT_FALSE(makeFrameRenderer(device, scene, settings).ok()) << "more sky than there is";
+}
+
 }  // namespace
 }  // namespace overcast::test

@@ -1,18 +1,16 @@
-// Sky light: formulas against closed forms and brute force in double, then the pass on the device. Pixels are laid over surfaces by an
-// affine view: pixel and depth are directly a point of the volume, so that nothing here depends on a rasteriser.
+// Sky light: formulas against closed forms and brute force in double, then the pass on the device.
 #include "runtime/passes/shade/shade_pass.h"
 
 #include <cmath>
-#include <cstring>
 #include <functional>
 #include <limits>
 
 #include <gtest/gtest.h>
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
-#include <glm/gtc/packing.hpp>
 
 #include "tests/reference/sky.h"
+#include "tests/runtime/ground.h"
 #include "tests/runtime/scenes.h"
 #include "tests/runtime/support.h"
 
@@ -20,68 +18,36 @@ namespace overcast {
 namespace {
 
 using reference::Field;
+using test::groundOnly;
+using test::kGround;
+using test::Pixel;
+using test::Surface;
 
-constexpr int kSide = 64;
+constexpr int kSide = test::kGroundSide;
 constexpr glm::dvec3 kUp{0, 1, 0};
-
-/// What a pixel sees: height y over the point (x, z) of its column, in voxels, and the normal there. Height 0: no surface.
-struct Surface {
-  double height = 0.0;
-  glm::vec3 normal{0.0f, 1.0f, 0.0f};
-};
-using Ground = std::function<Surface(double x, double z)>;
-
-/// Light and visibility of a pixel.
-struct Pixel {
-  glm::vec3 light{0.0f};
-  float sky = 0.0f;
-};
-
-/// A view of side x side pixels straight over a grid; heights run to `top` voxels. In units of world space; relative to `eye`.
-glm::dmat4 viewFromAbove(const GlobalGrid& grid, const glm::dvec3& eye, double left, double right, double top) {
-  const glm::dvec3 low = grid.origin + grid.voxelSize * glm::dvec3(left) - eye;
-  const double width = grid.voxelSize * (right - left);
-  glm::dmat4 clip(0.0);
-  clip[0][0] = 2.0 / width;
-  clip[2][1] = 2.0 / width;
-  clip[1][2] = 1.0 / (top * grid.voxelSize);
-  clip[3] = glm::dvec4(-1.0 - 2.0 * low.x / width, -1.0 - 2.0 * low.z / width, -(grid.origin.y - eye.y) / (top * grid.voxelSize), 1.0);
-  return clip;
-}
 
 class Shade : public test::DeviceTest {
  protected:
-  struct Setting {
-    GlobalGrid grid{{0, 0, 0}, 1.0, glm::ivec3(kSide)};
-    glm::dvec3 eye{3, 70, -5};
+  struct Setting : test::GroundView {
     glm::vec3 skyColour{0.5f, 0.25f, 1.0f};
     Estimator estimator;
-    double left = 0.0, right = kSide;  ///< span of the picture along x and z, voxels
   };
 
   /// Shades `ground` in `field` with 64 x 64 pixels.
-  std::vector<Pixel> shade(const Field& field, const Ground& ground, const Setting& setting) {
+  std::vector<Pixel> shade(const Field& field, const test::Ground& ground, const Setting& setting) {
     GpuImage volume = test::uploadField(device, field);
     const SkyTaps taps = skyTaps(setting.estimator, kSide).value();
     PyramidPass pyramid = makePyramidPass(device, volume, taps.count).value();
-    GeometryImages images = uploadGround(ground, setting);
+    GeometryImages images = test::uploadGround(device, ground, setting);
     GpuImage light = makeLightImage(device, images).value();
     ShadePass pass = makeShadePass(device, images, light, pyramid, taps).value();
-    const ShadeView view{viewFromAbove(setting.grid, setting.eye, setting.left, setting.right, kSide), setting.eye, setting.skyColour,
-                         glm::vec3(kUp)};
+    const ShadeView view{test::clipFromRelative(setting), setting.eye, setting.skyColour, glm::vec3(kUp)};
     const Result<Done> done = runCommands(device, [&](VkCommandBuffer commands) {
       recordPyramid(commands, pyramid);
       recordShade(commands, pass, setting.grid, view);
     });
     EXPECT_TRUE(done.ok());
-    const std::vector<std::byte> bytes = readImage(device, light, kComputeSample).value();
-    std::vector<Pixel> pixels(bytes.size() / 8);
-    for (std::size_t n = 0; n < pixels.size(); ++n) {
-      std::uint64_t packed = 0;
-      std::memcpy(&packed, bytes.data() + 8 * n, 8);
-      const glm::vec4 value = glm::unpackHalf4x16(packed);
-      pixels[n] = {glm::vec3(value), value.w};
-    }
+    std::vector<Pixel> pixels = test::readPixels(device, light);
     destroyShadePass(device, pass);
     destroyImage(device, light);
     destroyGeometryImages(device, images);
@@ -89,46 +55,7 @@ class Shade : public test::DeviceTest {
     destroyImage(device, volume);
     return pixels;
   }
-
-  /// Column of pixel n of a picture that spans `left` to `right`.
-  static glm::dvec2 column(std::size_t n, const Setting& setting) {
-    const double step = (setting.right - setting.left) / kSide;
-    return {setting.left + step * (static_cast<double>(n % kSide) + 0.5), setting.left + step * (static_cast<double>(n / kSide) + 0.5)};
-  }
-
- private:
-  GeometryImages uploadGround(const Ground& ground, const Setting& setting) {
-    std::vector<float> depths;
-    std::vector<std::uint64_t> normals;
-    for (std::size_t n = 0; n < kSide * kSide; ++n) {
-      const glm::dvec2 at = column(n, setting);
-      const Surface surface = ground(at.x, at.y);
-      depths.push_back(static_cast<float>(surface.height / kSide));
-      normals.push_back(glm::packHalf4x16(glm::vec4(surface.normal, 1.0f)));
-    }
-    const std::vector<std::uint32_t> white(kSide * kSide, 0xffffffffu);
-    GeometryImages images = makeGeometryImages(device, {kSide, kSide}).value();
-    EXPECT_TRUE(uploadImage(device, images.depth, std::as_bytes(std::span(depths)), kComputeSample).ok());
-    EXPECT_TRUE(uploadImage(device, images.normal, std::as_bytes(std::span(normals)), kComputeSample).ok());
-    EXPECT_TRUE(uploadImage(device, images.colour, std::as_bytes(std::span(white)), kComputeSample).ok());
-    return images;
-  }
 };
-
-Field cube(const std::function<double(const glm::dvec3&)>& f) {
-  return reference::fieldOf(glm::ivec3(kSide), f);
-}
-
-/// Ground at y = 20 with a sphere of radius 12 touching it in the middle.
-constexpr double kGround = 20.0;
-constexpr double kRadius = 12.0;
-double sphereOnPlane(const glm::dvec3& p) {
-  return std::min(p.y - kGround, test::sphereDistance(p - glm::dvec3(32, kGround + kRadius, 32), kRadius));
-}
-
-Surface groundOnly(double, double) {
-  return {kGround, {0, 1, 0}};
-}
 
 TEST(SkyTaps, MeanTheSameAtAnyResolution) {
   for (const auto& [resolution, count] : {std::pair{32, 3}, {64, 4}, {128, 5}, {256, 6}}) {
@@ -181,7 +108,7 @@ TEST_F(Shade, OpenSurfacesHaveTheirClosedForm) {
   const std::vector<std::pair<glm::dvec3, double>> cases{
       {{0, 1, 0}, 1.0}, {{1, 0, 0}, eased(k * alpha)}, {{0, -1, 0}, eased(k * 2.0 * alpha)}, {{0.6, 0.8, 0}, eased(k * alpha * 0.2)}};
   for (const auto& [normal, expected] : cases) {
-    const Field half = cube([&n = normal](const glm::dvec3& p) { return glm::dot(p - glm::dvec3(32), n); });
+    const Field half = test::groundCube([&n = normal](const glm::dvec3& p) { return glm::dot(p - glm::dvec3(32), n); });
     Setting setting;
     setting.left = 31;
     setting.right = 33;
@@ -200,14 +127,14 @@ TEST_F(Shade, OpenSurfacesHaveTheirClosedForm) {
 
 TEST_F(Shade, AgreesWithBruteForceInDouble) {
   const auto corner = [](const glm::dvec3& p) { return std::min(p.y - kGround, p.x - 16.0); };
-  const Field scenes[] = {cube(sphereOnPlane), cube(corner)};
+  const Field scenes[] = {test::groundCube(test::sphereOnGround), test::groundCube(corner)};
   for (const Field& field : scenes) {
     const Setting setting;
     const std::vector<Pixel> pixels = shade(field, groundOnly, setting);
     const std::vector<Field> levels = reference::pyramid(field, skyTaps(setting.estimator, kSide).value().count);
     double worst = 0.0;
     for (std::size_t n = 0; n < pixels.size(); ++n) {
-      const glm::dvec2 at = column(n, setting);
+      const glm::dvec2 at = test::column(n, setting);
       const double expected =
           reference::publishedSky(levels, {at.x, kGround, at.y}, kUp, kUp, setting.estimator.k, setting.estimator.skyWeight);
       worst = std::max(worst, std::abs(pixels[n].sky - expected));
@@ -219,7 +146,7 @@ TEST_F(Shade, AgreesWithBruteForceInDouble) {
 }
 
 TEST_F(Shade, ACornerDarkensTowardsTheWall) {
-  const Field corner = cube([](const glm::dvec3& p) { return std::min(p.y - kGround, p.x - 16.0); });
+  const Field corner = test::groundCube([](const glm::dvec3& p) { return std::min(p.y - kGround, p.x - 16.0); });
   const std::vector<Pixel> pixels = shade(corner, groundOnly, {});
   // Ground at least as far from the wall as the taps and their filters reach (8 * 1.5 voxels, level 3's kernel 12 more) is open.
   for (std::size_t i = 17; i < 52; ++i) EXPECT_GE(pixels[32 * kSide + i].sky, pixels[32 * kSide + i - 1].sky - 0.004f) << "column " << i;
@@ -229,7 +156,7 @@ TEST_F(Shade, ACornerDarkensTowardsTheWall) {
 
 /// The picture test of contact shadows: fails when they vanish.
 TEST_F(Shade, ASphereShadowsTheGroundDarkestBelowItAndLessOutward) {
-  const std::vector<Pixel> pixels = shade(cube(sphereOnPlane), groundOnly, {});
+  const std::vector<Pixel> pixels = shade(test::groundCube(test::sphereOnGround), groundOnly, {});
   const auto along = [&](int dx, int dz) {
     std::vector<float> ray;
     for (int step = 0; step < 31; ++step) ray.push_back(pixels[static_cast<std::size_t>((32 + dz * step) * kSide + 32 + dx * step)].sky);
@@ -246,7 +173,7 @@ TEST_F(Shade, ASphereShadowsTheGroundDarkestBelowItAndLessOutward) {
 }
 
 TEST_F(Shade, DoesNotDependOnScaleOrPlace) {
-  const Field field = cube(sphereOnPlane);
+  const Field field = test::groundCube(test::sphereOnGround);
   const std::vector<Pixel> expected = shade(field, groundOnly, {});
   for (const double scale : {1e-4, 1e4})
     for (const double shift : {0.0, 1e5}) {
@@ -267,7 +194,7 @@ TEST_F(Shade, NoStreaksBeyondTheVolume) {
   const auto nearBorder = [](const glm::dvec3& p) {
     return std::min(p.y - kGround, test::sphereDistance(p - glm::dvec3(48, kGround + 10, 32), 14.0));
   };
-  const std::vector<Pixel> pixels = shade(cube(nearBorder), groundOnly, setting);
+  const std::vector<Pixel> pixels = shade(test::groundCube(nearBorder), groundOnly, setting);
   for (std::size_t j = 0; j < kSide; j += 7)
     for (std::size_t i = 49; i + 1 < kSide; ++i)
       ASSERT_GE(pixels[j * kSide + i + 1].sky, pixels[j * kSide + i].sky - 0.01f) << i << " " << j;
@@ -276,8 +203,8 @@ TEST_F(Shade, NoStreaksBeyondTheVolume) {
 
 TEST_F(Shade, NothingBadComesOfBadInput) {
   const float nan = std::numeric_limits<float>::quiet_NaN();
-  const Field empty = cube([](const glm::dvec3&) { return 65504.0; });
-  const Field inside = cube([](const glm::dvec3&) { return -65504.0; });
+  const Field empty = test::groundCube([](const glm::dvec3&) { return 65504.0; });
+  const Field inside = test::groundCube([](const glm::dvec3&) { return -65504.0; });
   const auto bad = [nan](double x, double z) {
     if (x < 8) return Surface{0.0, {0, 1, 0}};
     return Surface{z < 32 ? 30.0 : 64.0, x < 24 ? glm::vec3(0.0f) : x < 40 ? glm::vec3(nan) : glm::vec3(0, 1, 0)};

@@ -15,6 +15,17 @@ OVERCAST_INLINE vec3 insideLevel(vec3 p, vec3 size, int level) {
   return clamp(p, inset, size - inset);
 }
 
+/// Unit axes with the unit vector `normal` as the third: those of the world turned along the shortest arc from +y, so that they change
+/// slowly over a surface everywhere but at a normal of -y.
+OVERCAST_INLINE mat3 frameAbout(vec3 normal) {
+  float level = normal.x * normal.x + normal.z * normal.z;
+  float rise = normal.y < 0.0f ? level / (1.0f - normal.y) : 1.0f + normal.y;
+  if (rise < 1.0e-12f) return mat3(vec3(1.0f, 0.0f, 0.0f), vec3(0.0f, 0.0f, 1.0f), normal);
+  vec3 x = vec3(1.0f - normal.x * normal.x / rise, -normal.x, -normal.x * normal.z / rise);
+  vec3 z = vec3(-normal.x * normal.z / rise, -normal.z, 1.0f - normal.z * normal.z / rise);
+  return mat3(x, z, normal);
+}
+
 OVERCAST_SHARED_END
 
 #endif

@@ -1,5 +1,8 @@
 #include "runtime/passes/screen/screen_pass.h"
 
+#include <glm/gtc/matrix_transform.hpp>
+#include <glm/matrix.hpp>
+
 namespace overcast {
 namespace {
 
@@ -28,6 +31,10 @@ Result<GpuImage> makeLightImage(const Device& device, const GeometryImages& imag
   settings.format = VK_FORMAT_R16G16B16A16_SFLOAT;
   settings.usage = VK_IMAGE_USAGE_SAMPLED_BIT | VK_IMAGE_USAGE_STORAGE_BIT;
   return makeImage(device, settings);
+}
+
+glm::mat4 voxelFromClip(const GlobalGrid& grid, const glm::dmat4& clipFromRelative, const glm::dvec3& eye) {
+  return glm::mat4(voxelFromWorld(grid) * glm::translate(glm::dmat4(1.0), eye) * glm::inverse(clipFromRelative));
 }
 
 Result<ScreenPass> makeScreenPass(const Device& device, const GeometryImages& images, const GpuImage& light, const Shader& shader,

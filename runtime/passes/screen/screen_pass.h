@@ -4,7 +4,10 @@
 #include <vector>
 
 #include <vulkan/vulkan.h>
+#include <glm/mat4x4.hpp>
+#include <glm/vec3.hpp>
 
+#include "runtime/passes/composite/global_grid.h"
 #include "runtime/passes/geometry/geometry_pass.h"
 #include "runtime/passes/screen/screen.h"
 #include "runtime/vulkan/device.h"
@@ -25,6 +28,16 @@ inline constexpr Access kLightReady{
 /// RGBA16F, as large as the images: rgb linear light, a sky visibility in [0, 1], or rgb 0 and a shared::kNoSurface where there is no
 /// surface. In layout SHADER_READ_ONLY_OPTIMAL after a screen pass.
 Result<GpuImage> makeLightImage(const Device& device, const GeometryImages& images);
+
+/// Where a frame is seen from, and the light of its sky.
+struct ScreenView {
+  glm::dmat4 clipFromRelative{1.0};  ///< as the geometry pass had it: clip space from positions relative to the eye
+  glm::dvec3 eye{0.0};               ///< world space
+  glm::vec3 skyColour{1.0f};         ///< Lighting::skyColour
+};
+
+/// Voxel coordinates of `grid` from clip space, before the division by w.
+glm::mat4 voxelFromClip(const GlobalGrid& grid, const glm::dmat4& clipFromRelative, const glm::dvec3& eye);
 
 /// First binding that is a shader's own: those of screen.glsl come before.
 inline constexpr std::uint32_t kFirstScreenBinding = 4;

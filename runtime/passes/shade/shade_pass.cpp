@@ -5,8 +5,6 @@
 #include <cstddef>
 
 #include <fmt/format.h>
-#include <glm/gtc/matrix_transform.hpp>
-#include <glm/matrix.hpp>
 
 namespace overcast {
 
@@ -61,9 +59,8 @@ void destroyShadePass(const Device& device, ShadePass& pass) {
 }
 
 void recordShade(VkCommandBuffer commands, const ShadePass& pass, const GlobalGrid& grid, const ShadeView& view) {
-  const glm::dmat4 worldFromClip = glm::translate(glm::dmat4(1.0), view.eye) * glm::inverse(view.clipFromRelative);
   shared::ShadePush constants;
-  constants.voxelFromClip = glm::mat4(voxelFromWorld(grid) * worldFromClip);
+  constants.voxelFromClip = voxelFromClip(grid, view.clipFromRelative, view.eye);
   constants.skew = glm::vec4(pass.taps.skyWeight * view.up, pass.taps.constant);
   constants.sky = glm::vec4(view.skyColour, 0.0f);
   for (int half = 0; half < 2; ++half)

@@ -1,0 +1,106 @@
+#include "runtime/baseline.h"
+
+#include <cstddef>
+
+#include <glm/matrix.hpp>
+
+#include "runtime/passes/constant/constant.h"
+#include "runtime/passes/denoise/denoise.h"
+#include "runtime/passes/rays/rays.h"
+
+namespace overcast {
+
+static_assert(sizeof(shared::ConstantPush) == 16);
+static_assert(sizeof(shared::DenoisePush) == 80 && offsetof(shared::DenoisePush, sky) == 64);
+static_assert(sizeof(shared::RaysPush) == 80 && offsetof(shared::RaysPush, sky) == 64);
+
+namespace {
+
+struct Program {
+  Shader shader;
+  std::uint32_t pushBytes = 0;
+};
+
+Program programOf(Technique technique) {
+  switch (technique) {
+    case Technique::overcast:
+      break;
+    case Technique::constant:
+      return {{"runtime/passes/constant/constant.comp.glsl", {}}, sizeof(shared::ConstantPush)};
+    case Technique::rays16:
+      return {{"runtime/passes/rays/rays.comp.glsl", {{"OVERCAST_RAYS", "16"}}}, sizeof(shared::RaysPush)};
+    case Technique::rays64:
+      return {{"runtime/passes/rays/rays.comp.glsl", {{"OVERCAST_RAYS", "64"}}}, sizeof(shared::RaysPush)};
+  }
+  OVERCAST_REQUIRE(false, "technique {} is no baseline", nameOf(technique));
+}
+
+Result<Done> addDenoise(const Device& device, const BaselineInputs& inputs, Baseline& baseline) {
+  Result<GpuImage> raw = makeLightImage(device, inputs.images);
+  if (!raw) return raw.error();
+  baseline.raw = std::move(raw).value();
+  Result<ScreenPass> denoise =
+      makeScreenPass(device, inputs.images, inputs.light, {"runtime/passes/denoise/denoise.comp.glsl", {}},
+                     {{kFirstScreenBinding, VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER}}, sizeof(shared::DenoisePush));
+  if (!denoise) return denoise.error();
+  baseline.denoise = std::move(denoise).value();
+  writeSampledImage(device, baseline.denoise.set, kFirstScreenBinding, baseline.raw.view, baseline.denoise.nearest);
+  return Done{};
+}
+
+Result<Done> fill(const Device& device, const BaselineInputs& inputs, Baseline& baseline) {
+  const Program program = programOf(baseline.technique);
+  if (denoises(baseline.technique)) {
+    const Result<Done> made = addDenoise(device, inputs, baseline);
+    if (!made) return made;
+  }
+  const bool volume = readsVolume(baseline.technique);
+  std::vector<Binding> own;
+  if (volume) own.push_back({kFirstScreenBinding, VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER});
+  Result<ScreenPass> light = makeScreenPass(device, inputs.images, denoises(baseline.technique) ? baseline.raw : inputs.light,
+                                            program.shader, own, program.pushBytes);
+  if (!light) return light.error();
+  baseline.light = std::move(light).value();
+  if (!volume) return Done{};
+  const Result<VkSampler> trilinear = makeSampler(device, VK_FILTER_LINEAR);
+  if (!trilinear) return trilinear.error();
+  baseline.trilinear = trilinear.value();
+  writeSampledImage(device, baseline.light.set, kFirstScreenBinding, inputs.volume.view, baseline.trilinear, VK_IMAGE_LAYOUT_GENERAL);
+  return Done{};
+}
+
+}  // namespace
+
+Result<Baseline> makeBaseline(const Device& device, Technique technique, float constant, const BaselineInputs& inputs) {
+  Baseline baseline;
+  baseline.technique = technique;
+  baseline.constant = constant;
+  const Result<Done> filled = fill(device, inputs, baseline);
+  if (filled) return baseline;
+  destroyBaseline(device, baseline);
+  return filled.error();
+}
+
+void destroyBaseline(const Device& device, Baseline& baseline) {
+  destroyScreenPass(device, baseline.light);
+  destroyScreenPass(device, baseline.denoise);
+  destroyImage(device, baseline.raw);
+  if (baseline.trilinear) vkDestroySampler(device.device, baseline.trilinear, nullptr);
+  baseline = {};
+}
+
+void recordBaseline(VkCommandBuffer commands, const Baseline& baseline, const GlobalGrid& grid, const ScreenView& view) {
+  if (baseline.technique == Technique::constant) {
+    recordScreenPass(commands, baseline.light, shared::ConstantPush{glm::vec4(view.skyColour, baseline.constant)});
+    return;
+  }
+  recordScreenPass(commands, baseline.light,
+                   shared::RaysPush{voxelFromClip(grid, view.clipFromRelative, view.eye), glm::vec4(view.skyColour, 0.0f)});
+}
+
+void recordDenoise(VkCommandBuffer commands, const Baseline& baseline, const ScreenView& view) {
+  recordScreenPass(commands, baseline.denoise,
+                   shared::DenoisePush{glm::mat4(glm::inverse(view.clipFromRelative)), glm::vec4(view.skyColour, 0.0f)});
+}
+
+}  // namespace overcast

@@ -1,0 +1,40 @@
+// Baseline: the passes of a technique other than Overcast's own, over the geometry images and, where it reads one, the global volume.
+#pragma once
+
+#include <vector>
+
+#include "runtime/passes/composite/global_grid.h"
+#include "runtime/passes/screen/screen_pass.h"
+#include "runtime/technique.h"
+#include "runtime/vulkan/device.h"
+
+namespace overcast {
+
+struct Baseline {
+  Technique technique = Technique::overcast;
+  float constant = 0.0f;  ///< visibility of Technique::constant
+  ScreenPass light;       ///< writes the light image, or `raw` where `denoise` follows
+  ScreenPass denoise;     ///< of techniques that denoises() names
+  GpuImage raw;
+  VkSampler trilinear = VK_NULL_HANDLE;  ///< of techniques that read the volume
+};
+
+/// What the passes read and write; all must outlive them.
+struct BaselineInputs {
+  const GeometryImages& images;
+  const GpuImage& light;   ///< makeLightImage
+  const GpuImage& volume;  ///< CompositePass::volume; looked at where readsVolume(technique)
+};
+
+/// The passes of `technique`, which is not Technique::overcast.
+Result<Baseline> makeBaseline(const Device& device, Technique technique, float constant, const BaselineInputs& inputs);
+void destroyBaseline(const Device& device, Baseline& baseline);
+
+/// Records the pass that finds visibility, and light where no denoising follows; after recordGeometry, and recordComposite of the volume in
+/// `grid`.
+void recordBaseline(VkCommandBuffer commands, const Baseline& baseline, const GlobalGrid& grid, const ScreenView& view);
+
+/// Records the pass after it; only where denoises(technique).
+void recordDenoise(VkCommandBuffer commands, const Baseline& baseline, const ScreenView& view);
+
+}  // namespace overcast

@@ -1,0 +1,44 @@
+// Denoise: the mean over the pixels of a 4x4 pattern, along the surface. Read by C++ and GLSL.
+//
+// A pass whose samples differ from pixel to pixel in a pattern that repeats every four pixels gets all sixteen sets in each pixel, without
+// noise and without a history: every window of 5x5 pixels with half weights on its border holds each place of the pattern with weight 1.
+// Neighbours count as far as they lie in the pixel's plane and face as it does (a bilateral filter, Tomasi and Manduchi 1998).
+#ifndef RUNTIME_PASSES_DENOISE_DENOISE_H
+#define RUNTIME_PASSES_DENOISE_DENOISE_H
+
+#include "runtime/passes/screen/screen.h"
+
+OVERCAST_SHARED_BEGIN
+
+const int kPatternSide = 4;
+const int kPatternSize = 16;
+const int kDenoiseReach = 2;  ///< pixels to either side
+
+struct DenoisePush {
+  mat4 relativeFromClip;  //  0: positions relative to the eye from clip space, before the division by w
+  vec4 sky;               // 64: rgb: linear radiance of the sky
+};
+
+/// Place of a pixel in the pattern, 0 to 15: a Bayer matrix, so that near pixels have far numbers.
+OVERCAST_INLINE int patternPlace(ivec2 pixel) {
+  int x = pixel.x & 3, y = pixel.y & 3;
+  int mixed = x ^ y;
+  return ((mixed & 1) << 3) | ((y & 1) << 2) | (mixed & 2) | (y >> 1);
+}
+
+/// Weight of a neighbour by where it is in the window.
+OVERCAST_INLINE float windowWeight(int x, int y) {
+  return (abs(x) == kDenoiseReach ? 0.5f : 1.0f) * (abs(y) == kDenoiseReach ? 0.5f : 1.0f);
+}
+
+/// Weight of a neighbour on the surface: `way` leads to it, unit normals. 1 in the pixel's plane, 0 where it rises by 0.2 or more per unit
+/// of way or turns away by more than 37 degrees.
+OVERCAST_INLINE float surfaceWeight(vec3 way, vec3 normal, vec3 itsNormal) {
+  float rise = abs(dot(way, normal));
+  float level = clamp(1.0f - rise * rise / (0.04f * dot(way, way) + 1.0e-30f), 0.0f, 1.0f);
+  return level * clamp((dot(normal, itsNormal) - 0.8f) * 5.0f, 0.0f, 1.0f);
+}
+
+OVERCAST_SHARED_END
+
+#endif

@@ -1,0 +1,213 @@
+// Techniques to compare with: formulas against closed forms, then their passes on the device against rays in double and analytic scenes.
+#include "runtime/baseline.h"
+
+#include <array>
+#include <cmath>
+#include <numbers>
+#include <random>
+
+#include <gtest/gtest.h>
+#include <glm/common.hpp>
+#include <glm/geometric.hpp>
+
+#include "runtime/passes/denoise/denoise.h"
+#include "runtime/passes/rays/rays.h"
+#include "tests/runtime/ground.h"
+#include "tests/runtime/scenes.h"
+#include "tests/runtime/support.h"
+
+namespace overcast {
+namespace {
+
+using test::groundOnly;
+using test::kGround;
+using test::kGroundSide;
+using test::kSphereRadius;
+using test::Pixel;
+
+constexpr double kSize = kGroundSide;
+
+/// Cosine-weighted visibility above a point whose normal is +y, by 4,000 rays in double; `clear` says whether a ray leaves the scene.
+template <class Clear>
+double tracedSky(const glm::dvec3& from, const Clear& clear) {
+  int open = 0;
+  constexpr int kAround = 80, kOut = 50;
+  for (int i = 0; i < kOut; ++i)
+    for (int j = 0; j < kAround; ++j) {
+      const double radius = std::sqrt((i + 0.5) / kOut), angle = 2.0 * std::numbers::pi * (j + 0.5 * (i % 2)) / kAround;
+      const glm::dvec3 way(radius * std::cos(angle), std::sqrt(1.0 - radius * radius), radius * std::sin(angle));
+      open += clear(from, way) ? 1 : 0;
+    }
+  return static_cast<double>(open) / (kAround * kOut);
+}
+
+/// What a sphere on the ground leaves of its sky at `distance` from where it touches: its form factor is exact as it stands clear of the
+/// horizon.
+double skyBesideSphere(double distance) {
+  const double squared = distance * distance + kSphereRadius * kSphereRadius;
+  return 1.0 - kSphereRadius * kSphereRadius * kSphereRadius / (squared * std::sqrt(squared));
+}
+
+/// Whether a ray passes the wall x < 16, which ends with the volume.
+bool passesWall(const glm::dvec3& from, const glm::dvec3& way) {
+  if (way.x >= 0.0) return true;
+  const glm::dvec3 hit = from + way * ((from.x - 16.0) / -way.x);
+  return hit.y > kSize || hit.z < 0.0 || hit.z > kSize;
+}
+
+double wallAndGround(const glm::dvec3& p) {
+  return std::min(p.y - kGround, p.x - 16.0);
+}
+
+class Baselines : public test::DeviceTest {
+ protected:
+  std::vector<Pixel> light(Technique technique, const reference::Field& field, float constant = 0.0f) {
+    const test::GroundView from;
+    const ScreenView view{test::clipFromRelative(from), from.eye, {0.5f, 0.25f, 1.0f}};
+    GpuImage volume = test::uploadField(device, field);
+    GeometryImages images = test::uploadGround(device, groundOnly, from);
+    GpuImage out = makeLightImage(device, images).value();
+    Baseline baseline = makeBaseline(device, technique, constant, {images, out, volume}).value();
+    const Result<Done> done = runCommands(device, [&](VkCommandBuffer commands) {
+      recordBaseline(commands, baseline, from.grid, view);
+      if (denoises(technique)) recordDenoise(commands, baseline, view);
+    });
+    EXPECT_TRUE(done.ok());
+    std::vector<Pixel> pixels = test::readPixels(device, out);
+    destroyBaseline(device, baseline);
+    destroyImage(device, out);
+    destroyGeometryImages(device, images);
+    destroyImage(device, volume);
+    return pixels;
+  }
+
+  /// Root mean square difference to `sky` at ground points for which it is not negative.
+  template <class Sky>
+  static double errorTo(const std::vector<Pixel>& pixels, const Sky& sky) {
+    double sum = 0.0;
+    int count = 0;
+    for (std::size_t n = 0; n < pixels.size(); ++n) {
+      const glm::dvec2 at = test::column(n, {});
+      const double expected = sky(glm::dvec3(at.x, kGround, at.y));
+      if (expected < 0.0) continue;
+      sum += (pixels[n].sky - expected) * (pixels[n].sky - expected);
+      ++count;
+    }
+    return std::sqrt(sum / std::max(count, 1));
+  }
+
+  /// Sky at a point of the ground, -1 nearer than `nearest` to where the sphere touches.
+  template <int nearest>
+  static double besideSphere(const glm::dvec3& p) {
+    const double distance = glm::length(glm::dvec2(p.x - 32.0, p.z - 32.0));
+    return distance > nearest ? skyBesideSphere(distance) : -1.0;
+  }
+  static double besideWall(const glm::dvec3& p) { return p.x > 17.0 ? tracedSky(p, passesWall) : -1.0; }
+};
+
+TEST(ScreenFormulas, FramesAreOrthonormal) {
+  std::mt19937 random(1);
+  std::normal_distribution<float> any;
+  for (int i = 0; i < 1000; ++i) {
+    glm::vec3 normal = glm::normalize(glm::vec3(any(random), any(random), any(random)));
+    if (i < 3) normal = glm::normalize(glm::vec3(0.015f * static_cast<float>(i), -1.0f, 0.0f));
+    const glm::mat3 frame = shared::frameAbout(normal);
+    for (int a = 0; a < 3; ++a)
+      for (int b = 0; b < 3; ++b) ASSERT_NEAR(glm::dot(frame[a], frame[b]), a == b ? 1.0f : 0.0f, 2e-3f) << i;
+    ASSERT_EQ(frame[2], normal);
+  }
+}
+
+TEST(RayFormulas, DirectionsAreSpreadByTheCosine) {
+  for (const int count : {16, 64}) {
+    glm::dvec3 mean(0.0), square(0.0);
+    double xy = 0.0;
+    for (int place = 0; place < shared::kPatternSize; ++place)
+      for (int ray = 0; ray < count; ++ray) {
+        const glm::dvec3 way = shared::rayDirection(ray, count, place);
+        ASSERT_NEAR(glm::length(way), 1.0, 1e-6);
+        ASSERT_GT(way.z, 0.0);
+        mean += way / (16.0 * count);
+        square += way * way / (16.0 * count);
+        xy += way.x * way.y / (16.0 * count);
+      }
+    // Moments of the density cos / pi over the hemisphere.
+    EXPECT_NEAR(glm::length(mean - glm::dvec3(0, 0, 2.0 / 3.0)), 0.0, 2e-3);
+    EXPECT_NEAR(glm::length(square - glm::dvec3(0.25, 0.25, 0.5)), 0.0, 2e-3);
+    EXPECT_NEAR(xy, 0.0, 2e-3);
+  }
+}
+
+TEST(RayFormulas, ReachIsWhereTheVolumeEnds) {
+  std::mt19937 random(2);
+  std::uniform_real_distribution<double> place(-10.0, 50.0), way(-1.0, 1.0);
+  const glm::dvec3 size(40, 24, 16);
+  const auto inside = [&](const glm::dvec3& p) {
+    return glm::all(glm::greaterThanEqual(p, glm::dvec3(0.0))) && glm::all(glm::lessThanEqual(p, size));
+  };
+  for (int i = 0; i < 2000; ++i) {
+    const glm::dvec3 p(place(random), place(random), place(random));
+    const glm::dvec3 d = i < 6 ? glm::dvec3(i % 3 == 0, i % 3 == 1, i % 3 == 2) * (i < 3 ? 1.0 : -1.0)
+                               : glm::normalize(glm::dvec3(way(random), way(random), way(random)));
+    const double reach = shared::rayReach(p, d, size);
+    for (double t = reach + 0.01; t < reach + 100.0; t += 0.5) ASSERT_FALSE(inside(p + t * d)) << i << " at " << t;
+    if (inside(p) && reach > 0.02) {
+      ASSERT_TRUE(inside(p + (reach - 0.01) * d)) << i;
+    }
+  }
+}
+
+TEST(DenoiseFormulas, EveryWindowHoldsEachPlaceOfThePatternOnce) {
+  for (int y = 0; y < 4; ++y)
+    for (int x = 0; x < 4; ++x) {
+      std::array<float, shared::kPatternSize> sums{};
+      for (int dy = -shared::kDenoiseReach; dy <= shared::kDenoiseReach; ++dy)
+        for (int dx = -shared::kDenoiseReach; dx <= shared::kDenoiseReach; ++dx)
+          sums.at(static_cast<std::size_t>(shared::patternPlace({x + dx + 8, y + dy + 8}))) += shared::windowWeight(dx, dy);
+      for (const float sum : sums) EXPECT_EQ(sum, 1.0f);
+    }
+}
+
+TEST(DenoiseFormulas, NeighboursCountInThePixelsPlaneOnly) {
+  const glm::vec3 up(0, 1, 0);
+  EXPECT_NEAR(shared::surfaceWeight({1e-4f, 0, 0}, up, up), 1.0f, 1e-6f);
+  EXPECT_NEAR(shared::surfaceWeight({1e4f, 0, 0}, up, up), 1.0f, 1e-6f) << "at any scale";
+  EXPECT_EQ(shared::surfaceWeight({1, 0.25f, 0}, up, up), 0.0f);
+  EXPECT_EQ(shared::surfaceWeight({1, -0.25f, 0}, up, up), 0.0f);
+  EXPECT_EQ(shared::surfaceWeight({1, 0, 0}, up, {1, 0, 0}), 0.0f);
+}
+
+TEST_F(Baselines, ConstantIsTheSameEverywhere) {
+  for (const Pixel& pixel : light(Technique::constant, test::groundCube(test::sphereOnGround), 0.25f)) {
+    EXPECT_EQ(pixel.sky, 0.25f);
+    EXPECT_EQ(pixel.light, 0.25f * glm::vec3(0.5f, 0.25f, 1.0f));
+  }
+}
+
+TEST_F(Baselines, OpenGroundSeesTheWholeSky) {
+  const reference::Field open = test::groundCube([](const glm::dvec3& p) { return p.y - kGround; });
+  for (const Technique technique : {Technique::rays16, Technique::rays64})
+    for (const Pixel& pixel : light(technique, open)) {
+      ASSERT_EQ(pixel.sky, 1.0f) << nameOf(technique);
+      ASSERT_EQ(pixel.light, glm::vec3(0.5f, 0.25f, 1.0f));
+    }
+}
+
+TEST_F(Baselines, RaysFindTheFormFactorOfASphere) {
+  const reference::Field field = test::groundCube(test::sphereOnGround);
+  for (const Technique technique : {Technique::rays16, Technique::rays64}) {
+    const std::vector<Pixel> pixels = light(technique, field);
+    // The sphere a quarter of a voxel larger, kRayHit, hides up to 0.05 more of the sky where it touches, and little far from there.
+    EXPECT_LT(errorTo(pixels, besideSphere<4>), 0.020) << nameOf(technique);
+    EXPECT_LT(errorTo(pixels, besideSphere<14>), 0.010) << nameOf(technique);
+  }
+}
+
+TEST_F(Baselines, RaysFindTheSkyBesideAWall) {
+  const reference::Field field = test::groundCube(wallAndGround);
+  EXPECT_LT(errorTo(light(Technique::rays16, field), besideWall), 0.015);
+  EXPECT_LT(errorTo(light(Technique::rays64, field), besideWall), 0.010);
+}
+
+}  // namespace
+}  // namespace overcast
