@@ -17,6 +17,7 @@ namespace {
 constexpr double kLargestFloat = 3.4e38;
 constexpr double kTinyFloat = std::numeric_limits<float>::min();
 
+using overcast::arrayOf;  // of double vectors: hidden by the next line, which would round them
 Json arrayOf(const glm::vec3& v) {
   return Json::array({shortest(v.x), shortest(v.y), shortest(v.z)});
 }
