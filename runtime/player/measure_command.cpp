@@ -24,6 +24,7 @@ struct Options {
   std::string reference;
   std::string frames;
   std::vector<std::string> channels;
+  std::vector<std::string> against;
   std::string flip;
   double pixelsPerDegree = kFlipPixelsPerDegree;
   bool json = false;
@@ -50,6 +51,9 @@ void addOptions(CLI::App& app, Options& options) {
   app.add_option("--frames", options.frames, "first:last frame of a clip, both included; adds its flicker");
   app.add_option("--channels", options.channels, "one channel or three, separated by commas (default: sky where both have it, else R,G,B)")
       ->delimiter(',');
+  app.add_option("--against", options.against, "what these are called in the reference, for example dome (default: the same)")
+      ->delimiter(',')
+      ->needs(app.get_option("--channels"));
   app.add_option("--flip", options.flip, ".png for the map of FLIP, black where nothing differs; of a clip with a #");
   app.add_option("--pixels-per-degree", options.pixelsPerDegree, "of visual angle, for FLIP (default: 67, a 4K monitor seen from 0.7 m)")
       ->check(CLI::Range(1.0, 1000.0));
@@ -60,6 +64,8 @@ void addOptions(CLI::App& app, Options& options) {
 void checkTogether(Options& options) {
   if (!options.channels.empty() && options.channels.size() != 1 && options.channels.size() != 3)
     throw CLI::ValidationError("--channels", "takes one or three");
+  if (!options.against.empty() && options.against.size() != options.channels.size())
+    throw CLI::ValidationError("--against", "takes as many as --channels");
   if (options.frames.empty()) return;
   const auto range = parseFrames(options.frames);
   if (!range) throw CLI::ValidationError("--frames", range.error().reason);
@@ -79,6 +85,18 @@ std::vector<std::string> defaultChannels(const Image& picture, const Image& refe
   return sky ? std::vector<std::string>{"sky"} : std::vector<std::string>{"R", "G", "B"};
 }
 
+/// Gives the channels named `from` the names `to`; others that have these names lose them.
+void rename(std::vector<std::string>& channels, const std::vector<std::string>& from, const std::vector<std::string>& to) {
+  for (std::string& channel : channels) {
+    const auto found = std::find(from.begin(), from.end(), channel);
+    if (found != from.end()) {
+      channel = to[static_cast<std::size_t>(found - from.begin())];
+    } else if (std::find(to.begin(), to.end(), channel) != to.end()) {
+      channel.clear();
+    }
+  }
+}
+
 /// An Error about two images, with the file in front.
 Failure incomparable(Error error, const std::string& file) {
   error.file = file;
@@ -87,9 +105,11 @@ Failure incomparable(Error error, const std::string& file) {
 
 std::optional<Failure> measureFrame(const Options& options, int frame, ClipMetrics& clip) {
   const std::string file = fileOf(options, options.picture, frame);
-  const auto picture = readExr(file), reference = readExr(fileOf(options, options.reference, frame));
+  const auto picture = readExr(file);
+  auto reference = readExr(fileOf(options, options.reference, frame));
   if (!picture) return Failure{picture.error(), ExitCode::unreadable};
   if (!reference) return Failure{reference.error(), ExitCode::unreadable};
+  rename(reference.value().channels, options.against, options.channels);
   if (clip.channels.empty()) clip.channels = defaultChannels(picture.value(), reference.value());
   const Mask mask = surfaceMask(reference.value());
   const Comparison comparison{picture.value(), reference.value(), clip.channels, mask};

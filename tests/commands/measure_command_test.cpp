@@ -48,6 +48,19 @@ TEST_F(MeasureCommand, PrintsATableOfTheSurfaces) {
   EXPECT_EQ(at(map.value(), 7, 0, 0), 0.0f);
 }
 
+TEST_F(MeasureCommand, ComparesWithAChannelOfAnotherName) {
+  write("picture.exr", 0.75f, false);
+  Image reference{8, 4, {"dome", "sky"}, {}};
+  for (int p = 0; p < 32; ++p) reference.pixels.insert(reference.pixels.end(), {0.5f, 0.0f});
+  ASSERT_TRUE(writeExr(folder / "reference.exr", reference, ExrBits::single).ok());
+  const ShellResult result = measure("picture.exr reference.exr --channels sky --against dome --json");
+  ASSERT_EQ(result.exitCode, 0) << result.output;
+  const auto frame = nlohmann::json::parse(result.output).at("frames").at(0);
+  EXPECT_EQ(frame.at("max"), 0.5) << "of the right half, where the picture shows nothing";
+  EXPECT_EQ(frame.at("bias"), -0.125);
+  EXPECT_EQ(measure("picture.exr reference.exr --channels sky --against dome,sky").exitCode, 2);
+}
+
 TEST_F(MeasureCommand, PrintsAClipWithItsFlickerAsJson) {
   for (int frame = 0; frame < 3; ++frame) {
     write(fmt::format("picture_{}.exr", frame), 0.5f + 0.125f * static_cast<float>(frame % 2), false);
