@@ -13,7 +13,8 @@
 namespace overcast {
 namespace {
 
-constexpr std::uint64_t kFitSeed = 0x6f617473;  // away from the measurement's
+constexpr std::uint64_t kFitSeed = 0x6f617473;     // away from the measurement's
+constexpr std::uint64_t kChoiceSeed = 0x63686f69;  // and of the points that decide whether to fit
 constexpr std::size_t kFitSamplesPerPoint = 24;
 constexpr std::size_t kLeastFitSamples = 8192;
 constexpr std::size_t kMostFitSamples = 131072;
@@ -228,16 +229,15 @@ void bakeVertices(Job& job) {
   fillFromNeighbours(job.points.triangles, std::move(interior), job.samples);
 }
 
-/// Measures, and fits where the mesh is coarse.
+/// Fits where the mesh is coarse, if that lowers the error at points that neither the fit nor the measurement sees.
 void refine(Job& job) {
-  job.test = job.observed(job.settings.errorSamples, job.settings.seed);
-  job.report.samples = job.test.size();
-  job.report.sampled = errorOf(job.samples, job.test);
-  if (job.test.empty() || !isCoarse(job.report.sampled)) return;
+  const std::vector<FitSample> choice = job.observed((job.settings.errorSamples + 1) / 2, job.settings.seed ^ kChoiceSeed);
+  const InterpolationError plain = errorOf(job.samples, choice);
+  if (choice.empty() || !isCoarse(plain)) return;
   const std::size_t wanted = std::clamp(kFitSamplesPerPoint * job.points.first.size(), kLeastFitSamples, kMostFitSamples);
   const std::vector<FitSample> training = job.observed(wanted, job.settings.seed ^ kFitSeed);
   std::vector<ApertureSample> fitted = fitApertures(job.samples, job.points.triangles, training);
-  if (!isBetter(errorOf(fitted, job.test), job.report.sampled)) return;
+  if (!isBetter(errorOf(fitted, choice), plain)) return;
   job.samples = std::move(fitted);
   job.report.fitted = true;
 }
@@ -251,7 +251,12 @@ BakedApertures bakeApertures(const Mesh& mesh, const Occluders& occluders, const
   job.report.vertices = mesh.positions.size();
   job.report.points = job.points.first.size();
   bakeVertices(job);
-  if (settings.errorSamples > 0) refine(job);
+  if (settings.errorSamples > 0) {
+    job.test = job.observed(settings.errorSamples, settings.seed);
+    job.report.samples = job.test.size();
+    job.report.sampled = errorOf(job.samples, job.test);
+    refine(job);
+  }
   BakedApertures baked{visibilityOf(job.points, job.samples, settings), {}};
   job.report.error = errorOf(storedSamples(job.points, baked.visibility), job.test);
   for (const Aperture& aperture : baked.visibility.apertures) job.report.shut += aperture.radius == 0.0f;

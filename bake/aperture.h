@@ -52,8 +52,8 @@ struct BakedApertures {
 /// normals, one per position. Vertices with the same position and normal get the same, so that seams of other attributes do not show. A
 /// vertex looks from kVertexPull of the diagonal within its triangles, else it would lie in the plane of the wall behind a sharp edge. On
 /// coarse meshes, where interpolation is further off than kCoarse, vertices are fitted to the surface (bake/aperture_fit.h) if that lowers
-/// the error at points the fit has not seen. The same result for any order of the vertices, but for ties and the fit. When `progress` stops
-/// the job, the result is of no use.
+/// the error at points the fit has not seen. The reported errors are measured at others again. The same result for any order of the
+/// vertices, but for ties and the fit. When `progress` stops the job, the result is of no use.
 BakedApertures bakeApertures(const Mesh& mesh, const Occluders& occluders, const ApertureSettings& settings, const Progress& progress = {});
 
 /// The same for a mesh by itself. An Error without a file when it has no extent or there is no memory.
