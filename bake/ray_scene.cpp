@@ -2,7 +2,6 @@
 
 #include <cmath>
 #include <cstdint>
-#include <utility>
 
 #include <embree3/rtcore.h>
 #include <glm/gtc/matrix_transform.hpp>
@@ -32,18 +31,6 @@ void addGeometry(const RayScene& scene, const Mesh& mesh) {
   rtcReleaseGeometry(geometry);
 }
 
-void release(RayScene& scene) {
-  if (scene.scene != nullptr) rtcReleaseScene(std::exchange(scene.scene, nullptr));
-  if (scene.device != nullptr) rtcReleaseDevice(std::exchange(scene.device, nullptr));
-}
-
-/// A scene that is watertight at edges that triangles share: without that a sealed room lets single rays out.
-RTCScene newScene(RTCDevice device) {
-  const RTCScene scene = rtcNewScene(device);
-  rtcSetSceneFlags(scene, RTC_SCENE_FLAG_ROBUST);
-  return scene;
-}
-
 /// Position p of a scene's mesh is this times p in its units.
 glm::dmat4 unitsFromMesh(const RayScene& scene) {
   return glm::translate(glm::scale(glm::dmat4(1.0), glm::dvec3(scene.scale)), -scene.centre);
@@ -67,7 +54,8 @@ void addInstance(Surroundings& around, RTCDevice device, const RayScene& other, 
 }  // namespace
 
 void RaySceneRelease::operator()(RayScene* scene) const {
-  release(*scene);
+  if (scene->scene != nullptr) rtcReleaseScene(scene->scene);
+  if (scene->device != nullptr) rtcReleaseDevice(scene->device);
   delete scene;
 }
 
@@ -82,22 +70,19 @@ Result<RayScenePointer> makeRayScene(const Mesh& mesh, const RayScene* family) {
   RayScenePointer scene(new RayScene);
   scene->centre = centre(box);
   scene->scale = 1.0 / diagonal(box);
-  // Of Embree's watertight trees the one over vertex indices answers a tenth faster than its default; machines without AVX lack it.
-  for (const char* configuration : {"tri_accel=bvh8.triangle4i", ""}) {
-    release(*scene);
-    scene->device = family != nullptr ? family->device : rtcNewDevice(configuration);
-    if (scene->device == nullptr) return Error{"", "", "Embree does not start"};
-    if (family != nullptr) rtcRetainDevice(scene->device);
-    scene->scene = newScene(scene->device);
-    addGeometry(*scene, mesh);
-    if (rtcGetDeviceError(scene->device) == RTC_ERROR_NONE) return scene;
-  }
+  scene->device = family != nullptr ? family->device : rtcNewDevice(nullptr);
+  if (scene->device == nullptr) return Error{"", "", "Embree does not start"};
+  if (family != nullptr) rtcRetainDevice(scene->device);
+  // Without RTC_SCENE_FLAG_ROBUST, a third faster; traceVisibility looks after rays that pass between two triangles.
+  scene->scene = rtcNewScene(scene->device);
+  addGeometry(*scene, mesh);
+  if (rtcGetDeviceError(scene->device) == RTC_ERROR_NONE) return scene;
   return Error{"", "", "Embree cannot hold the mesh"};
 }
 
 Result<SurroundingsPointer> surround(const RayScene& scene, std::span<const Neighbour> neighbours) {
   SurroundingsPointer around(new Surroundings);
-  around->scene = newScene(scene.device);
+  around->scene = rtcNewScene(scene.device);
   for (const Neighbour& neighbour : neighbours)
     addInstance(*around, scene.device, *neighbour.scene,
                 unitsFromMesh(scene) * neighbour.hereFromThere * glm::inverse(unitsFromMesh(*neighbour.scene)));

@@ -32,10 +32,13 @@ namespace {
 constexpr std::size_t kTile = 16;      // points per task, neighbours
 constexpr std::size_t kBatch = 4096;   // rays per call of Embree: they and their answers stay in the cache
 constexpr int kProbes = 64;            // rays that tell inside from outside
+constexpr float kBeside = 1e-5f;       // radians between a ray and the one that is sent beside it
+constexpr double kFew = 1.0 / 128.0;   // share of rays: a point that sees less, or through one ray, is looked at twice
 constexpr std::uint64_t kSeed = 2006;  // of the azimuths
 
-/// Moments of a set of rays. With l the direction in the frame of the normal (z up): sums of 1, l, z l, and z l l^T.
-enum Moment : std::size_t { kOne, kX, kY, kZ, kZX, kZY, kZZ, kZXX, kZXY, kZXZ, kZYY, kZYZ, kZZZ, kMoments };
+/// Moments of a set of rays. With l the direction in the frame of the normal (z up): sums of 1, l, z l, and z l l^T. Filled up to whole
+/// registers.
+enum Moment : std::size_t { kOne, kX, kY, kZ, kZX, kZY, kZZ, kZXX, kZXY, kZXZ, kZYY, kZYZ, kZZZ, kMoments = 16 };
 
 using Moments = std::array<double, kMoments>;
 
@@ -124,9 +127,9 @@ RTCRayNp raysOf(Batch& batch) {
   return rays;
 }
 
-/// Rows `first` .. `first + count` of the table, sent from `eye`, from place `to` of the batch on.
-OVERCAST_VISIBILITY_CLONES void addRays(const RTCRayNp& rays, std::size_t to, const Eye& eye, const Table& table, std::size_t first,
-                                        std::size_t count) {
+/// Rows `first` .. `first + count` of the table, sent from `eye`, in place of rays `to` of the batch and on. Rays that have ended stay so.
+OVERCAST_VISIBILITY_CLONES void turnRays(const RTCRayNp& rays, std::size_t to, const Eye& eye, const Table& table, std::size_t first,
+                                         std::size_t count) {
   const float *tableX = table.x.data() + first, *tableY = table.y.data() + first, *tableZ = table.z.data() + first;
   const glm::vec3 a = eye.frame[0], b = eye.frame[1], c = eye.frame[2];
   float *dx = rays.dir_x + to, *dy = rays.dir_y + to, *dz = rays.dir_z + to;
@@ -136,23 +139,30 @@ OVERCAST_VISIBILITY_CLONES void addRays(const RTCRayNp& rays, std::size_t to, co
   std::fill_n(rays.org_x + to, count, eye.start.x);
   std::fill_n(rays.org_y + to, count, eye.start.y);
   std::fill_n(rays.org_z + to, count, eye.start.z);
-  std::fill_n(rays.tfar + to, count, std::numeric_limits<float>::infinity());
 }
 
 /// Adds the moments of the rays that hit something, `count` from place `from` of the batch on, which are the rows from `first` on.
 OVERCAST_VISIBILITY_CLONES void addHidden(const RTCRayNp& rays, std::size_t from, const Table& table, std::size_t first, std::size_t count,
                                           Moments& hidden) {
+  Moments sum = hidden;
   for (std::size_t i = 0; i < count; ++i) {
     if (rays.tfar[from + i] >= 0.0f) continue;
     const Moments& moments = table.moments[first + i];
-    for (std::size_t m = 0; m < kMoments; ++m) hidden[m] += moments[m];
+    for (std::size_t m = 0; m < kMoments; ++m) sum[m] += moments[m];
   }
+  hidden = sum;
+}
+
+/// Ends the rays that hit something. Those that have ended are passed over.
+void trace(const Occluders& occluders, const RTCRayNp& rays, std::size_t count) {
+  RTCIntersectContext context;
+  rtcInitIntersectContext(&context);
+  rtcOccludedNp(occluders.self->scene, &context, &rays, static_cast<unsigned>(count));
+  if (occluders.others != nullptr) rtcOccludedNp(occluders.others->scene, &context, &rays, static_cast<unsigned>(count));
 }
 
 /// Sums over the rays of each eye that hit something.
 void traceHidden(const Occluders& occluders, std::span<const Eye> eyes, const Table& table, Batch& batch, std::span<Moments> hidden) {
-  RTCIntersectContext context;
-  rtcInitIntersectContext(&context);
   const RTCRayNp rays = raysOf(batch);
   const std::size_t part = std::min(table.size(), kBatch);  // of one eye's rays
   const std::size_t together = kBatch / part;               // eyes in a batch
@@ -160,13 +170,43 @@ void traceHidden(const Occluders& occluders, std::span<const Eye> eyes, const Ta
     const std::size_t count = std::min(together, eyes.size() - e);
     for (std::size_t first = 0; first < table.size(); first += part) {
       const std::size_t rows = std::min(part, table.size() - first);
-      for (std::size_t k = 0; k < count; ++k) addRays(rays, k * rows, eyes[e + k], table, first, rows);
-      rtcOccludedNp(occluders.self->scene, &context, &rays, static_cast<unsigned>(count * rows));
-      // Rays that the mesh itself stopped have ended: this call passes over them.
-      if (occluders.others != nullptr) rtcOccludedNp(occluders.others->scene, &context, &rays, static_cast<unsigned>(count * rows));
+      for (std::size_t k = 0; k < count; ++k) turnRays(rays, k * rows, eyes[e + k], table, first, rows);
+      std::fill_n(rays.tfar, count * rows, std::numeric_limits<float>::infinity());
+      trace(occluders, rays, count * rows);
       for (std::size_t k = 0; k < count; ++k) addHidden(rays, k * rows, table, first, rows, hidden[e + k]);
     }
   }
+}
+
+Eye besideOf(const Eye& eye) {
+  const glm::vec3 axis = kBeside * (eye.frame[0] + eye.frame[1] + eye.frame[2]);
+  Eye beside = eye;
+  for (glm::vec3& column : beside.frame) column += glm::cross(axis, column);
+  return beside;
+}
+
+/// The same for one eye, where a ray is free only when one beside it is too. Embree's fast triangle test lets single rays through exactly
+/// between triangles: among many free ones that is nothing, but a point in a sealed room must see no sky at all.
+Moments traceTwice(const Occluders& occluders, const Eye& eye, const Table& table, Batch& batch) {
+  const RTCRayNp rays = raysOf(batch);
+  const Eye beside = besideOf(eye);
+  Moments hidden{};
+  for (std::size_t first = 0; first < table.size(); first += kBatch) {
+    const std::size_t rows = std::min(kBatch, table.size() - first);
+    std::fill_n(rays.tfar, rows, std::numeric_limits<float>::infinity());
+    for (const Eye& from : {eye, beside}) {
+      turnRays(rays, 0, from, table, first, rows);
+      trace(occluders, rays, rows);
+    }
+    addHidden(rays, 0, table, first, rows, hidden);
+  }
+  return hidden;
+}
+
+/// Whether an eye sees something, but next to nothing.
+bool seesFew(const Moments& hidden, const Table& table) {
+  const double free = static_cast<double>(table.size()) - hidden[kOne];
+  return free > 0.0 && free <= std::max(1.0, kFew * static_cast<double>(table.size()));
 }
 
 /// Whether the ray's direction and the outer normal of what it hit point the same way.
@@ -177,7 +217,7 @@ bool meetsBack(const RTCRayHit16& hits, std::size_t i, const Surroundings* other
   return glm::dot(glm::vec3(hits.hit.Ng_x[i], hits.hit.Ng_y[i], hits.hit.Ng_z[i]), direction) > 0.0f;
 }
 
-/// Whether most of the probing rays first meet the back of a triangle.
+/// Whether most of the probing rays first meet the back of a triangle. As soon as nearly all or nearly none of those sent do, no more are.
 bool isInterior(const Occluders& occluders, const Eye& eye, const Table& probes) {
   RTCIntersectContext context;
   rtcInitIntersectContext(&context);
@@ -187,7 +227,8 @@ bool isInterior(const Occluders& occluders, const Eye& eye, const Table& probes)
   for (std::size_t first = 0; first < probes.size(); first += kRayPacket) {
     RTCRayHit16 hits{};
     for (std::size_t i = 0; i < kRayPacket; ++i) {
-      const glm::vec3 d = eye.frame[0] * probes.x[first + i] + eye.frame[1] * probes.y[first + i] + eye.frame[2] * probes.z[first + i];
+      const std::size_t row = first / kRayPacket + i * probes.size() / kRayPacket;  // each packet over the whole hemisphere
+      const glm::vec3 d = eye.frame[0] * probes.x[row] + eye.frame[1] * probes.y[row] + eye.frame[2] * probes.z[row];
       hits.ray.org_x[i] = eye.start.x;
       hits.ray.org_y[i] = eye.start.y;
       hits.ray.org_z[i] = eye.start.z;
@@ -201,6 +242,8 @@ bool isInterior(const Occluders& occluders, const Eye& eye, const Table& probes)
     rtcIntersect16(valid.data(), occluders.self->scene, &context, &hits);
     if (occluders.others != nullptr) rtcIntersect16(valid.data(), occluders.others->scene, &context, &hits);
     for (std::size_t i = 0; i < kRayPacket; ++i) backs += meetsBack(hits, i, occluders.others);
+    const std::size_t sent = first + kRayPacket;
+    if (8 * backs <= sent || 8 * backs >= 7 * sent) return 2 * backs > sent;
   }
   return 2 * backs > probes.size();
 }
@@ -288,6 +331,7 @@ std::vector<PointVisibility> traceVisibility(const Occluders& occluders, std::sp
     for (std::size_t i = 0; i < indices.size(); ++i) eyes[i] = eyeOf(*occluders.self, points[indices[i]], indices[i]);
     traceHidden(occluders, std::span(eyes).first(indices.size()), table, batches.local(), hidden);
     for (std::size_t i = 0; i < indices.size(); ++i) {
+      if (seesFew(hidden[i], table)) hidden[i] = traceTwice(occluders, eyes[i], table, batches.local());
       PointVisibility& point = seen[indices[i]];
       point = pointVisibility(points[indices[i]], indices[i], meansOf(hidden[i], table), settings.transfer);
       point.interior = point.visible < 0.5f && isInterior(occluders, eyes[i], probes);

@@ -76,6 +76,7 @@ struct Occluders {
 /// What each point sees. Rays are uniform in solid angle: a spherical Fibonacci set (Keinert et al. 2015) turned about the normal by an
 /// angle that point i of the span has for itself, drawn from i alone. They start kRayOffset of the mesh's diagonal above the surface: far
 /// enough to leave the triangles the point lies on behind in single floats, near enough for the error to stay below 0.002 (MEASURED 4).
+/// Points that see next to nothing are looked at twice, a little turned, so that no single ray slips out between two triangles.
 /// Points are worked on in Morton order on all threads; the result does not depend on how many there are. A stopped `progress` leaves the
 /// rest untouched.
 std::vector<PointVisibility> traceVisibility(const Occluders& occluders, std::span<const SurfacePoint> points,

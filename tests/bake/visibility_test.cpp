@@ -251,6 +251,10 @@ TEST(Visibility, ASealedRoomLetsNoRayOut) {
   for (const glm::dvec3& p : reference::randomPoints({glm::dvec3(-0.5), glm::dvec3(0.5)}, 500, 9))
     points.push_back({p, glm::vec3(glm::normalize(p))});
   for (const PointVisibility& point : seen(room, points, 1024)) EXPECT_EQ(point.visible, 0.0f);
+  // Among so many rays past so many edges some pass exactly between two triangles.
+  points.resize(60);
+  for (const PointVisibility& point : seen(reference::insideOut(reference::icosphere(1.0, 6)), points, 65536))
+    EXPECT_EQ(point.visible, 0.0f);
 }
 
 /// A small square facing up, and what a point on it sees of the sphere of radius 1 that `hereFromThere` places.
