@@ -91,6 +91,15 @@ int referenceCommand(const std::vector<std::string>& arguments) {
     complain(scene.error());
     return kBadInput;
   }
+  std::optional<SkyImage> sky;
+  if (!options.sky.empty()) {
+    auto read = readSkyImage(options.sky);
+    if (!read) {
+      complain(read.error());
+      return kBadInput;
+    }
+    sky = std::move(read).value();
+  }
   if (const auto writable = checkWritable(options.folder); !writable) {
     complain(writable.error());
     return kCannotWrite;
@@ -104,10 +113,12 @@ int referenceCommand(const std::vector<std::string>& arguments) {
     }
     cache = std::move(opened).value();
   }
+  std::vector<ReferenceJob> list = jobs.value();
+  for (ReferenceJob& job : list) job.sky = sky ? &*sky : nullptr;
   watchInterrupts();
   std::optional<tbb::global_control> limit;
   if (options.threads > 0) limit.emplace(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(options.threads));
-  return runJobs(scene.value(), options, jobs.value(), cache.get());
+  return runJobs(scene.value(), options, list, cache.get());
 }
 
 }  // namespace overcast

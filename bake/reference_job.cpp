@@ -20,6 +20,7 @@ View viewOf(const Scene& scene, const ReferenceJob& job) {
 /// Hash of all that decides what is traced.
 std::string inputsOf(const std::string& sceneHash, const ReferenceJob& job, const View& view, const TraceSettings& settings) {
   std::string text = fmt::format("reference {}\n{}\n{}\n", kTraceVersion, sceneHash, settingsText(settings));
+  if (job.sky != nullptr) text += fmt::format("sky {}\n", job.sky->hash);
   if (job.points > 0) {
     text += fmt::format("points {}", job.points);
   } else {
@@ -102,7 +103,7 @@ Result<Done> writePreview(const fs::path& json, const Scene& scene) {
 
 ReferenceReport traceJob(const Scene& scene, const ReferenceJob& job, const View& view, const TraceSettings& settings,
                          const std::pair<std::string, std::string>& hashes, const std::string& sceneName, const Progress& progress) {
-  const auto traced = makeTracedScene(scene, job.time);
+  const auto traced = makeTracedScene(scene, job.time, job.sky);
   if (!traced) return failed(ReferenceOutcome::badScene, {sceneName, fmt::format("frame {}", job.frame), traced.error().reason});
   auto reference = job.points > 0 ? tracePoints(traced.value(), job.points, settings, progress)
                                   : traceView(traced.value(), {view, job.width, job.height}, settings, progress);

@@ -22,6 +22,7 @@ struct ReferenceJob {
   int width = 0;                       ///< of a view
   int height = 0;
   std::uint64_t points = 0;
+  const SkyImage* sky = nullptr;  ///< instead of the scene's; null: none
 };
 
 enum class ReferenceOutcome {

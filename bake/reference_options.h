@@ -18,6 +18,7 @@ struct ReferenceOptions {
   std::filesystem::path scene;
   std::filesystem::path folder;
   std::filesystem::path cache;
+  std::filesystem::path sky;
   std::string frames = "0";
   std::string size = "640x360";
   std::vector<std::string> cameras;

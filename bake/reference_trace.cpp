@@ -97,13 +97,19 @@ void add(Sums& sums, std::size_t first, const glm::dvec3& value) {
   for (int c = 0; c < 3; ++c) sums[first + static_cast<std::size_t>(c)] += value[c];
 }
 
+glm::dvec3 skyFrom(const TracedScene& scene, const glm::dvec3& direction) {
+  return scene.skyImage != nullptr ? radianceFrom(*scene.skyImage, direction) : scene.sky;
+}
+
 /// sky, dome, ao, colour.
 void traceSky(const Eye& eye, const SampleTable& table, Sums& sums) {
   const TracedScene& scene = eye.scene;
   const auto bound = static_cast<float>(eye.settings.distanceBound * scene.rays->scale);
   const glm::vec3 up(scene.up);
   Packet packet;
-  std::uint64_t lit = 0;
+  const bool plain = eye.lights.empty() && scene.skyImage == nullptr;
+  double bare = 0.0;  // rays that meet the plain sky
+  glm::dvec3 received(0.0);
   for (std::size_t first = 0; first < table.size(); first += kRayPacket) {
     fill(packet, eye, table, first, bound > 0.0f ? bound : kInfinity);
     packet.occlude(scene);
@@ -119,11 +125,16 @@ void traceSky(const Eye& eye, const SampleTable& table, Sums& sums) {
       if (!packet.isFree(i)) continue;
       sums[0] += 1.0;
       sums[1] += glm::dot(packet.direction(i), up) > 0.0f;
-      lit += eye.lights.empty() || !coversLight(eye.lights, glm::dvec3(packet.direction(i)));
+      if (plain) {
+        bare += 1.0;
+        continue;
+      }
+      const glm::dvec3 direction(packet.direction(i));
+      if (!coversLight(eye.lights, direction)) received += skyFrom(scene, direction);
     }
   }
   if (!(bound > 0.0f)) sums[2] = sums[0];
-  add(sums, 3, albedo(scene, eye.surface) * scene.sky * static_cast<double>(lit));
+  add(sums, 3, albedo(scene, eye.surface) * (received + bare * scene.sky));
 }
 
 /// Sixteen rays to one light from points with normals, weighted.
@@ -197,7 +208,7 @@ glm::dvec3 skyAtHits(const Eye& eye, const SampleTable& table, const Bounce& bou
   packet.occlude(eye.scene);
   glm::dvec3 sum(0.0);
   for (std::size_t i = 0; i < bounce.count; ++i)
-    if (packet.isFree(i)) sum += albedo(eye.scene, bounce.hit[i]) * eye.scene.sky;
+    if (packet.isFree(i)) sum += albedo(eye.scene, bounce.hit[i]) * skyFrom(eye.scene, glm::dvec3(packet.direction(i)));
   return sum;
 }
 

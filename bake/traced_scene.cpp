@@ -94,12 +94,16 @@ bool isFree(const RayScene& rays, const glm::vec3& from, const glm::vec3& to) {
 
 }  // namespace
 
-Result<TracedScene> makeTracedScene(const Scene& scene, double time) {
+Result<TracedScene> makeTracedScene(const Scene& scene, double time, const SkyImage* skyImage) {
   TracedScene traced;
   const std::vector<glm::dmat4> nodes = worldFromLocal(scene, time);
   for (std::size_t i = 0; i < nodes.size(); ++i)
     if (scene.nodes[i].mesh >= 0) addMesh(scene, i, nodes[i], traced);
   addLights(scene.lighting.value_or(Lighting{}), nodes, traced);
+  if (skyImage != nullptr) {
+    traced.sky = skyImage->mean;
+    traced.skyImage = skyImage;
+  }
   auto rays = makeRayScene(traced.mesh);
   if (!rays) return rays.error();
   traced.rays = std::move(rays).value();

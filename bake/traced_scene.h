@@ -8,6 +8,7 @@
 #include <glm/vec3.hpp>
 
 #include "bake/aperture.h"
+#include "bake/sky_image.h"
 #include "bake/visibility.h"
 #include "formats/result.h"
 #include "formats/scene.h"
@@ -29,13 +30,15 @@ struct TracedScene {
   std::vector<int> node;          ///< of each triangle
   std::vector<glm::vec3> colour;  ///< base colour of each triangle
   std::vector<TracedLight> lights;
-  glm::dvec3 sky{0.0};  ///< radiance from all around
+  glm::dvec3 sky{0.0};                 ///< radiance from all around, or the mean of `skyImage`
+  const SkyImage* skyImage = nullptr;  ///< null: none
   glm::dvec3 up{0.0, 1.0, 0.0};
   RayScenePointer rays;  ///< of `mesh`; its triangle i is here triangle i
 };
 
-/// The scene at `time` seconds. An Error without a file when it has no surface or memory runs out.
-Result<TracedScene> makeTracedScene(const Scene& scene, double time);
+/// The scene at `time` seconds, under `skyImage` (which must outlive it) instead of its own sky when that is not null. An Error without a
+/// file when it has no surface or memory runs out.
+Result<TracedScene> makeTracedScene(const Scene& scene, double time, const SkyImage* skyImage = nullptr);
 
 /// A point to look from, on the side of `towards`.
 struct TracedSurface {

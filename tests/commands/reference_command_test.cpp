@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "formats/files.h"
+#include "formats/image.h"
 #include "formats/reference.h"
 #include "formats/scene.h"
 #include "tests/commands/bake_fixture.h"
@@ -85,6 +86,23 @@ TEST_F(ReferenceCommand, TracesAgainOnlyWhatChanged) {
   scene.lighting->skyColour.x = 0.5f;
   save();
   EXPECT_THAT(run("--samples 256").output, Not(HasSubstr("up to date")));
+}
+
+TEST_F(ReferenceCommand, AnotherSkyGivesOtherColoursAlone) {
+  ASSERT_TRUE(writeExr(folder / "red.exr", {2, 1, {"R", "G", "B"}, {1.0f, 0.0f, 0.0f, 1.0f, 0.0f, 0.0f}}).ok());
+  ASSERT_EQ(run("--samples 128").exitCode, 0);
+  const Image plain = readExr(folder / "out/view0_0000.exr").value();
+  const ShellResult result = run("--samples 128 --sky red.exr");
+  ASSERT_EQ(result.exitCode, 0) << result.output;
+  EXPECT_THAT(result.output, Not(HasSubstr("up to date")));
+  const Image red = readExr(folder / "out/view0_0000.exr").value();
+  double green = 0.0;
+  for (int i = 0; i < 32 * 24; ++i) {
+    EXPECT_EQ(at(red, i % 32, i / 32, channelIndex(red, "sky")), at(plain, i % 32, i / 32, channelIndex(plain, "sky")));
+    green += static_cast<double>(at(red, i % 32, i / 32, channelIndex(red, "G")));
+  }
+  EXPECT_EQ(green, 0.0);
+  EXPECT_EQ(run("--sky nothing.exr").exitCode, 3);
 }
 
 TEST_F(ReferenceCommand, GivesTheSameBytesOnAnyNumberOfThreads) {
