@@ -11,6 +11,7 @@
 
 #include "bake/bake_record.h"
 #include "formats/files.h"
+#include "formats/sky.h"
 
 namespace overcast {
 namespace {
@@ -65,6 +66,8 @@ void appendScene(Scene& scene, Scene other) {
   }
   for (Animation& animation : other.animations)
     for (AnimationChannel& channel : animation.channels) shift(channel.node, scene.nodes.size());
+  if (other.lighting)
+    for (AreaLight& light : other.lighting->areaLights) shift(light.node, scene.nodes.size());
   appendTo(scene.meshes, other.meshes);
   appendTo(scene.materials, other.materials);
   appendTo(scene.cameras, other.cameras);
@@ -101,6 +104,17 @@ Result<Done> writeAssetOf(MeshBake& mesh, const std::string& name, const fs::pat
   return writeFileAtomically(folder / mesh.occluder.uri, asset.bytes);
 }
 
+/// Copies the sky image into the folder and names it in the lighting.
+Result<fs::path> copySky(SceneBake& bake, const fs::path& folder) {
+  const auto bytes = readFile(bake.skyImage);
+  if (!bytes) return bytes.error();
+  const std::string hash = contentHash(bytes.value()).substr(0, 8);
+  bake.scene.lighting->skyImage = fmt::format("skies/{}-{}.exr", fileNameOf(bake.skyImage.stem().string()), hash);
+  const fs::path file = folder / bake.scene.lighting->skyImage;
+  if (const auto written = writeFileAtomically(file, bytes.value()); !written) return written.error();
+  return file;
+}
+
 /// Takes the mesh from the cache, or bakes it and keeps it there.
 Result<Done> obtainMesh(MeshBake& job, const Mesh& mesh, const BakeSettings& settings, const BakeContext& context,
                         const Progress& progress) {
@@ -133,6 +147,12 @@ Result<BakeInput> readBakeInput(const fs::path& path) {
     auto scene = readScene(path);
     if (!scene) return scene.error();
     input.scene = std::move(scene).value();
+    if (input.scene.lighting && !input.scene.lighting->skyImage.empty()) {
+      const Result<fs::path> image = skyFile(path.parent_path(), input.scene.lighting->skyImage);
+      if (!image) return image.error();
+      if (const Result<SkyHarmonics> sky = readSky(image.value()); !sky) return sky.error();
+      input.skyImage = image.value();
+    }
   } else {
     return Error{path.string(), "", "is neither a mesh (.obj .ply .stl .off) nor a scene (.gltf .glb)"};
   }
@@ -165,6 +185,7 @@ SceneBake joinInputs(std::vector<BakeInput> inputs) {
     bake.inputs.push_back(input.path);
     bake.settings.push_back(input.settings);
     if (inputs.size() == 1) bake.scene.name = input.scene.name;
+    if (!bake.scene.lighting) bake.skyImage = input.skyImage;
     appendScene(bake.scene, std::move(input.scene));
   }
   if (!bake.scene.lighting) bake.scene.lighting = Lighting{};
@@ -234,6 +255,11 @@ Result<std::vector<fs::path>> writeBake(SceneBake& bake, const fs::path& folder,
     mesh.occluder = baked.occluder;
     for (Node& node : bake.scene.nodes)
       if (node.mesh == mesh.mesh) node.occluder = mesh.occluder;
+  }
+  if (!bake.skyImage.empty()) {
+    const Result<fs::path> copied = copySky(bake, folder);
+    if (!copied) return copied.error();
+    files.push_back(copied.value());
   }
   const auto written = writeScene(folder / (name + ".gltf"), bake.scene);
   if (!written) return written.error();

@@ -23,10 +23,12 @@ struct BakeInput {
   Scene scene;
   std::optional<MeshReadReport> report;  ///< of mesh files
   BakeSettings settings;                 ///< for its meshes; readBakeInput leaves the defaults
+  std::filesystem::path skyImage;        ///< the file of its lighting's sky; empty: none
 };
 
 /// Reads a mesh file (a scene of one node, formats/scene.h) or a glTF scene. An Error that names the file when it is neither, cannot be
-/// read, or holds no triangle. Meshes without a triangle or without extent are taken off their nodes with a note in scene.notes.
+/// read, holds no triangle, or has a sky image that is none. Meshes without a triangle or without extent are taken off their nodes with a
+/// note in scene.notes.
 Result<BakeInput> readBakeInput(const std::filesystem::path& path);
 
 /// All inputs side by side, and their bakes.
@@ -35,6 +37,7 @@ struct SceneBake {
   std::vector<std::filesystem::path> inputs;
   std::vector<BakeSettings> settings;  ///< of each input
   std::vector<MeshBake> meshes;
+  std::filesystem::path skyImage;  ///< of the lighting that is kept; empty: none
 };
 
 /// Puts the inputs side by side into one scene, as they lie: their roots become its roots. The first lighting found is kept.
@@ -62,8 +65,9 @@ void dropFailedInputs(SceneBake& bake);
 std::string outputName(const std::vector<std::filesystem::path>& inputs);
 
 /// Writes folder/<name>.gltf, <name>-<hash>.bin and the files of the occluders (volumes/<mesh>-<hash>.vdb; other representations in folders
-/// of theirs) and returns their paths, the scene last. All but the scene are named by what they hold and the scene replaces an older one
-/// only when all of it is on disk: whoever kills the process finds the old scene or the new one, whole.
+/// of theirs), a copy of the sky image (skies/<image>-<hash>.exr), and returns their paths, the scene last. All but the scene are named by
+/// what they hold and the scene replaces an older one only when all of it is on disk: whoever kills the process finds the old scene or the
+/// new one, whole.
 Result<std::vector<std::filesystem::path>> writeBake(SceneBake& bake, const std::filesystem::path& folder, const std::string& name);
 
 }  // namespace overcast

@@ -9,6 +9,7 @@
 #include "formats/extension_json.h"
 #include "formats/files.h"
 #include "formats/scene.h"
+#include "formats/sky.h"
 #include "formats/uri.h"
 #include "formats/volume.h"
 
@@ -115,6 +116,11 @@ Result<std::vector<std::string>> validate(const fs::path& path) {
     const auto [entry, fresh] = checked.emplace(occluderJson(*node.occluder), std::vector<std::string>{});
     if (fresh) entry->second = checkAsset(*node.occluder, path.parent_path());
     for (const std::string& finding : entry->second) findings.push_back(place + ": " + finding);
+  }
+  if (const std::optional<Lighting>& lighting = scene.value().lighting; lighting && !lighting->skyImage.empty()) {
+    const auto image = skyFile(path.parent_path(), lighting->skyImage);
+    const Result<SkyHarmonics> sky = image ? readSky(image.value()) : Result<SkyHarmonics>(image.error());
+    if (!sky) findings.push_back(message(sky.error()));
   }
   if (meshNodes == 0) findings.push_back(path.string() + ": holds no mesh");
   return findings;

@@ -121,6 +121,9 @@ void readLighting(Fields& fields, Lighting& lighting) {
   Fields sky = fields.child("sky");
   sky.vector("colour", lighting.skyColour, 0.0, kLargestFloat);
   sky.direction("up", lighting.up);
+  std::string image;
+  if (sky.has("image")) sky.text("image", image, false);
+  lighting.skyImage = pathFromUri(image);
   if (fields.has("sun")) readSun(fields.child("sun"), lighting.sun.emplace());
   const std::size_t lights = fields.has("areaLights") ? fields.arraySize("areaLights") : 0;
   for (std::size_t i = 0; i < lights; ++i) readAreaLight(fields.element("areaLights", i), lighting.areaLights.emplace_back());
@@ -185,6 +188,7 @@ std::string occluderJson(const Occluder& occluder) {
 
 std::string lightingJson(const Lighting& lighting) {
   Json json = {{"version", kLightingVersion}, {"sky", {{"colour", arrayOf(lighting.skyColour)}, {"up", arrayOf(lighting.up)}}}};
+  if (!lighting.skyImage.empty()) json["sky"]["image"] = uriFromPath(lighting.skyImage);
   if (lighting.sun) {
     json["sun"] = {{"direction", arrayOf(lighting.sun->direction)},
                    {"colour", arrayOf(lighting.sun->colour)},

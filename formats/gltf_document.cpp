@@ -226,6 +226,15 @@ Result<std::vector<std::string>> listFiles(const std::filesystem::path& path, By
     if (!inside) return Error{"", place, inside.error().reason};
     files.push_back(inside.value().string());
   }
+  index = 0;
+  for (const Json& scene : member(parsed.value().document, "scenes")) {
+    const std::string place = fmt::format("scenes/{}/extensions/OVERCAST_lighting/sky/image", index++);
+    const Json& image = member(member(member(member(scene, "extensions"), "OVERCAST_lighting"), "sky"), "image");
+    if (!image.is_string()) continue;
+    const auto inside = resolveInside(path.parent_path(), image.get<std::string>());
+    if (!inside) return Error{"", place, inside.error().reason};
+    files.push_back(inside.value().string());
+  }
   return files;
 }
 

@@ -30,8 +30,8 @@ struct GltfDocument {
 /// geometry and are not supported, for compressed geometry without plain data, and for missing, short or outside buffers.
 Result<GltfDocument> readGltfDocument(const std::filesystem::path& path);
 
-/// Paths of the files that readGltfDocument reads: `path`, then its external buffers. An Error for what is no JSON object and for buffers
-/// outside the asset's folder.
+/// Paths of the files that make the asset: `path`, its external buffers, the images of its skies. An Error for what is no JSON object and
+/// for files outside the asset's folder.
 Result<std::vector<std::string>> listGltfFiles(const std::filesystem::path& path);
 
 }  // namespace overcast

@@ -186,6 +186,21 @@ Result<Done> putLoad(Json& json, const Node& node, std::size_t index, const std:
   return Done{};
 }
 
+/// Whether the node's matrix shears, which takes two nodes of glTF.
+bool needsTwoNodes(const Node& node) {
+  if (!node.matrix) return false;
+  const Trs parts = decompose(*node.matrix);
+  return parts.inner && !isPlainTrs(*node.matrix, parts);
+}
+
+/// The node of the file that has the whole transform of node `index`.
+std::size_t wholeNode(const Scene& scene, std::size_t index) {
+  if (!needsTwoNodes(scene.nodes[index])) return index;
+  std::size_t whole = scene.nodes.size();
+  for (std::size_t i = 0; i < index; ++i) whole += needsTwoNodes(scene.nodes[i]) ? 1 : 0;
+  return whole;
+}
+
 /// The nodes in their order. A matrix that glTF forbids is written as its parts; one that shears needs two nodes, the second of which
 /// follows all others and carries the load.
 Result<Json> nodesJson(const Scene& scene, const std::vector<int>& meshIndex) {
@@ -276,7 +291,10 @@ Result<Json> sceneJson(const Scene& scene) {
   for (std::size_t i = 0; i < scene.nodes.size(); ++i)
     if (scene.nodes[i].parent < 0) json["nodes"].push_back(i);
   if (!scene.lighting) return json;
-  const std::string text = lightingJson(*scene.lighting);
+  Lighting lighting = *scene.lighting;
+  for (AreaLight& light : lighting.areaLights)
+    if (light.node >= 0) light.node = static_cast<int>(wholeNode(scene, static_cast<std::size_t>(light.node)));
+  const std::string text = lightingJson(lighting);
   auto readable = parseLighting(text, "scenes/0/extensions/OVERCAST_lighting");
   if (!readable) return readable.error();
   json["extensions"]["OVERCAST_lighting"] = Json::parse(text);

@@ -43,7 +43,8 @@ struct GlobalVolume {
 inline constexpr int kLightingVersion = 1;
 
 struct Lighting {
-  glm::vec3 skyColour{0.80f, 0.90f, 1.0f};  ///< linear radiance of the sky dome
+  glm::vec3 skyColour{0.80f, 0.90f, 1.0f};  ///< linear radiance of the sky dome; with an image: for readers that take no images
+  std::string skyImage;                     ///< an EXR beside the scene (relative path) that is the sky (formats/sky.h); empty: uniform
   glm::vec3 up{0.0f, 1.0f, 0.0f};           ///< unit vector U
   std::optional<Sun> sun;
   std::vector<AreaLight> areaLights;

@@ -82,8 +82,8 @@ bool isSceneFile(const std::filesystem::path& path);
 /// (Draco, meshopt without fallback) are an Error. URIs that leave the file's folder are an Error. Parsed in a sandbox.
 Result<Scene> readScene(const std::filesystem::path& path);
 
-/// The files that readScene reads: `path` and the buffers outside it (images are not read). Parsed in a sandbox. An Error when `path`
-/// cannot be read, is no JSON object, or names a buffer outside its folder.
+/// The files that a scene is made of: `path`, the buffers outside it and the images of its skies (other images count for nothing). Parsed
+/// in a sandbox. An Error when `path` cannot be read, is no JSON object, or names one outside its folder.
 Result<std::vector<std::filesystem::path>> sceneFiles(const std::filesystem::path& path);
 
 /// A scene of one mesh file: one node with that mesh and one default material. A mesh whose box lies further from the origin than 64

@@ -54,7 +54,8 @@ void fields(Archive& archive, Estimator& estimator) {
 
 template <class Archive>
 void fields(Archive& archive, Lighting& lighting) {
-  archive(lighting.skyColour, lighting.up, lighting.sun, lighting.areaLights, lighting.globalVolume, lighting.estimator, lighting.exposure);
+  archive(lighting.skyColour, lighting.skyImage, lighting.up, lighting.sun, lighting.areaLights, lighting.globalVolume, lighting.estimator,
+          lighting.exposure);
 }
 
 template <class Archive>

@@ -42,23 +42,36 @@ double airMass(double height) {
   return 1.0 / (std::sin(std::max(height, 0.0)) + 0.50572 * std::pow(degrees + 6.07995, -1.6364));
 }
 
-}  // namespace
-
-Lighting lightingAt(const Lighting& lighting, double hours) {
+/// Unit vector towards the sun.
+glm::dvec3 sunAt(const Lighting& lighting, double hours) {
   const glm::dvec3 up = glm::normalize(glm::dvec3(lighting.up));
   const glm::dvec3 other = std::abs(up.z) < 0.999 ? glm::dvec3(0, 0, 1) : glm::dvec3(0, 1, 0);
   const glm::dvec3 east = glm::normalize(glm::cross(up, other)), south = glm::cross(east, up);
   const double angle = (hours - 12.0) * std::numbers::pi / 12.0;
   const glm::dvec3 noon = std::cos(kLatitude) * up + std::sin(kLatitude) * south;
-  const glm::dvec3 direction = std::cos(angle) * noon - std::sin(angle) * east;
-  const double height = std::asin(std::clamp(glm::dot(direction, up), -1.0, 1.0));
+  return std::cos(angle) * noon - std::sin(angle) * east;
+}
+
+double sineOfHeight(const Lighting& lighting, const glm::dvec3& sun) {
+  return std::clamp(glm::dot(sun, glm::normalize(glm::dvec3(lighting.up))), -1.0, 1.0);
+}
+
+}  // namespace
+
+glm::vec3 skyTintAt(const Lighting& lighting, double hours) {
+  return glm::vec3(skyTint(sineOfHeight(lighting, sunAt(lighting, hours))));
+}
+
+Lighting lightingAt(const Lighting& lighting, double hours) {
+  const glm::dvec3 direction = sunAt(lighting, hours);
+  const double height = std::asin(sineOfHeight(lighting, direction));
   Lighting result = lighting;
   Sun sun = lighting.sun.value_or(Sun{{0, 1, 0}, glm::vec3(3.0f)});
   const double risen = glm::smoothstep(-1.0, 1.0, height / static_cast<double>(sun.angularRadius));
   sun.direction = glm::vec3(direction);
   sun.colour *= glm::vec3(risen * glm::exp(-kAir * airMass(height)));
   result.sun = sun;
-  result.skyColour *= glm::vec3(skyTint(std::sin(height)));
+  result.skyColour *= skyTintAt(lighting, hours);
   return result;
 }
 

@@ -18,4 +18,8 @@ struct Daylight {
 /// first, and is gone when its disc has set. Everything else stays as it was.
 Lighting lightingAt(const Lighting& lighting, double hours);
 
+/// What the sky's radiance is multiplied by at `hours`: lightingAt does so with Lighting::skyColour. A sky image is tinted by the same and
+/// otherwise stays as it is, clouds and all: it does not turn with the sun.
+glm::vec3 skyTintAt(const Lighting& lighting, double hours);
+
 }  // namespace overcast

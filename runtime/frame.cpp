@@ -4,6 +4,7 @@
 #include <cstring>
 
 #include "formats/view_options.h"
+#include "runtime/sky_light.h"
 
 namespace overcast {
 namespace {
@@ -49,19 +50,20 @@ Result<Done> makeTargets(const Device& device, FrameRenderer& renderer) {
   const FrameSettings& settings = renderer.settings;
   const VkExtent2D full{static_cast<std::uint32_t>(settings.width * settings.supersample),
                         static_cast<std::uint32_t>(settings.height * settings.supersample)};
-  Result<Done> done = take(makeGeometryImages(device, full, renderer.apertures), targets.images);
+  Result<Done> done = take(makeGeometryImages(device, full, {renderer.apertures, renderer.transfer}), targets.images);
+  const GpuBuffer* sky = renderer.sky.buffer ? &renderer.sky : nullptr;
   if (done) done = take(makeLightImage(device, targets.images), targets.light);
   if (done && settings.technique != Technique::overcast) {
     const BaselineInputs inputs{targets.images, targets.light, renderer.composite.volume};
     done = take(makeBaseline(device, settings.technique, settings.constant, inputs), targets.baseline.emplace());
   } else if (done) {
-    done = take(makeShadePass(device, targets.images, targets.light, renderer.pyramid, renderer.taps), targets.shade);
+    done = take(makeShadePass(device, targets.images, targets.light, renderer.pyramid, renderer.taps, sky), targets.shade);
   }
   if (done && renderer.apertures) {
-    const ApertureInputs inputs{targets.images, targets.light, renderer.manyObjects ? &renderer.pyramid : nullptr};
+    const ApertureInputs inputs{targets.images, targets.light, renderer.manyObjects ? &renderer.pyramid : nullptr, sky};
     done = take(makeAperturePass(device, inputs, settings.apertureMode), targets.aperture.emplace());
   }
-  if (done) done = take(makeTonemapPass(device, targets.light, settings.supersample), targets.tonemap);
+  if (done) done = take(makeTonemapPass(device, targets.light, settings.supersample, sky), targets.tonemap);
   return done;
 }
 
@@ -121,6 +123,7 @@ Result<Done> fillRenderer(const Device& device, const RuntimeScene& scene, Frame
   renderer.grid = globalGrid(wanted.bounds.value_or(scene.bounds), resolution);
   const Technique technique = renderer.settings.technique;
   renderer.apertures = technique == Technique::overcast && hasApertures(scene);
+  renderer.transfer = renderer.apertures && hasTransfer(scene);
   renderer.manyObjects = scene.objects.size() > 1;
   Estimator estimator = scene.lighting.estimator;
   if (renderer.settings.taps) estimator.taps = *renderer.settings.taps;
@@ -131,8 +134,11 @@ Result<Done> fillRenderer(const Device& device, const RuntimeScene& scene, Frame
   if (done && technique == Technique::overcast)
     done = take(makePyramidPass(device, renderer.composite.volume, renderer.taps.count), renderer.pyramid);
   if (done)
-    done = take(makeGeometryPass(device, scene.vertices, scene.indices, objects, renderer.apertures ? scene.apertures : GpuBuffer{}),
+    done = take(makeGeometryPass(device, scene.vertices, scene.indices, objects, renderer.apertures ? scene.apertures : GpuBuffer{},
+                                 renderer.transfer ? scene.transfers : GpuBuffer{}),
                 renderer.geometry);
+  if (done && scene.sky)
+    done = take(makeBuffer(device, sizeof(shared::SkyLight), VK_BUFFER_USAGE_STORAGE_BUFFER_BIT, MemoryUse::upload), renderer.sky);
   if (done) done = makeSubmission(device, renderer);
   if (done) done = makeTargets(device, renderer);
   return done;
@@ -157,9 +163,34 @@ bool timed(VkCommandBuffer commands, FrameRenderer& renderer, FramePass pass, co
 struct Placed {
   std::vector<shared::CompositeObject> occluders;
   std::vector<shared::GeometryInstance> instances;
+  std::vector<shared::TransferInstance> transfers;  ///< as many, of scenes with transfer
 };
 
-Placed placeObjects(const FrameRenderer& renderer, const RuntimeScene& scene, const std::vector<glm::dmat4>& nodes, const View& view) {
+/// Sun, lamps and sky at one time.
+struct Lit {
+  Lighting lighting;
+  SkyHarmonics sky;  ///< uniform where the scene has no image
+};
+
+Lit litAt(const RuntimeScene& scene, const std::optional<Daylight>& day, double time) {
+  const double hours = day ? day->start + day->hoursPerSecond * time : 0.0;
+  Lit lit{day ? lightingAt(scene.lighting, hours) : scene.lighting, {}};
+  if (!scene.sky) {
+    lit.sky = uniformSky(lit.lighting.skyColour);
+    return lit;
+  }
+  lit.sky = day ? tinted(*scene.sky, skyTintAt(scene.lighting, hours)) : *scene.sky;
+  lit.lighting.skyColour = shared::kSkyConstant * lit.sky.coefficients[0];  // its mean, for techniques that take one colour
+  return lit;
+}
+
+shared::TransferInstance transferInstance(const SceneMesh& mesh, const SkyHarmonics& sky, const glm::dmat4& worldFromLocal) {
+  if (!mesh.transfer) return {};
+  return {skyLight(sky, worldFromLocal), glm::ivec4(mesh.transferShift, 1, 0, 0)};
+}
+
+Placed placeObjects(const FrameRenderer& renderer, const RuntimeScene& scene, const std::vector<glm::dmat4>& nodes, const View& view,
+                    const SkyHarmonics& sky) {
   Placed placed;
   for (const SceneObject& object : scene.objects) {
     const glm::dmat4& node = nodes[object.node];
@@ -168,6 +199,7 @@ Placed placeObjects(const FrameRenderer& renderer, const RuntimeScene& scene, co
     glm::dmat4 fromCentre = node;
     fromCentre[3] = node * glm::dvec4(scene.meshes[object.mesh].centre, 1.0);
     placed.instances.push_back(geometryInstance(fromCentre, eye(view)));
+    if (renderer.transfer) placed.transfers.push_back(transferInstance(scene.meshes[object.mesh], sky, node));
   }
   return placed;
 }
@@ -244,6 +276,7 @@ void destroyFrameRenderer(const Device& device, FrameRenderer& renderer) {
   vkDestroyFence(device.device, renderer.done, nullptr);
   if (renderer.commands) vkFreeCommandBuffers(device.device, device.commandPool, 1, &renderer.commands);
   destroyGeometryPass(device, renderer.geometry);
+  destroyBuffer(device, renderer.sky);
   destroyPyramidPass(device, renderer.pyramid);
   destroyCompositePass(device, renderer.composite);
   destroyAssetStore(device, renderer.store);
@@ -267,7 +300,13 @@ View defaultView(const RuntimeScene& scene, double time, double aspect) {
 
 void recordFrame(VkCommandBuffer commands, FrameRenderer& renderer, const RuntimeScene& scene, double time, const View& view) {
   const std::vector<glm::dmat4> nodes = worldFromLocal(scene.scene, time);
-  const Placed placed = placeObjects(renderer, scene, nodes, view);
+  const Lit lit = litAt(scene, renderer.settings.daylight, time);
+  const Lighting& lighting = lit.lighting;
+  const Placed placed = placeObjects(renderer, scene, nodes, view, lit.sky);
+  if (renderer.sky.mapped) {
+    const shared::SkyLight light = skyLight(lit.sky);
+    std::memcpy(renderer.sky.mapped, &light, sizeof(light));
+  }
   const double aspect = static_cast<double>(renderer.settings.width) / renderer.settings.height;
   const glm::dmat4 clip = clipFromRelative(view, aspect);
   FrameTargets& targets = renderer.targets;
@@ -277,10 +316,9 @@ void recordFrame(VkCommandBuffer commands, FrameRenderer& renderer, const Runtim
                                                           [&] { return recordComposite(commands, renderer.composite, placed.occluders); });
   if (composited && technique == Technique::overcast && !targets.aperture)
     timed(commands, renderer, FramePass::pyramid, [&] { recordPyramid(commands, renderer.pyramid); });
-  timed(commands, renderer, FramePass::geometry,
-        [&] { recordGeometry(commands, renderer.geometry, targets.images, placed.instances, drawsOf(scene), glm::mat4(clip)); });
-  const std::optional<Daylight>& day = renderer.settings.daylight;
-  const Lighting lighting = day ? lightingAt(scene.lighting, day->start + day->hoursPerSecond * time) : scene.lighting;
+  timed(commands, renderer, FramePass::geometry, [&] {
+    recordGeometry(commands, renderer.geometry, targets.images, placed.instances, drawsOf(scene), glm::mat4(clip), placed.transfers);
+  });
   recordLight(commands, renderer, lighting, nodes, {clip, eye(view)});
   const TonemapView shown{glm::mat4(glm::inverse(clip)), lighting.skyColour, lighting.up, lighting.exposure};
   timed(commands, renderer, FramePass::tonemap, [&] { recordTonemap(commands, targets.tonemap, shown); });

@@ -59,12 +59,14 @@ struct FrameRenderer {
   FrameSettings settings;
   SkyTaps taps;
   bool apertures = false;    ///< the scene has some and the technique reads them
+  bool transfer = false;     ///< and some meshes have transfer
   bool manyObjects = false;  ///< that can stand in each other's light
   GlobalGrid grid;
   AssetStore store;
   CompositePass composite;
   PyramidPass pyramid;
   GeometryPass geometry;
+  GpuBuffer sky;  ///< a shared::SkyLight, mapped; null: the sky is uniform
   FrameTargets targets;
   std::vector<FramePass> passes;  ///< that a frame may run, in the order of renderFrame
   PassTimer timer;

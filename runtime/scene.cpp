@@ -44,25 +44,39 @@ struct Geometry {
   bool withApertures = false;
   std::vector<float> vertices;
   std::vector<std::uint64_t> apertures;
+  std::vector<float> transfers;
   std::vector<std::uint32_t> indices;
 };
 
-/// Apertures of all vertices of a mesh. The 4-byte packing has no ambient visibility: the cap's own stands in.
+/// Ambient visibility at a vertex of a mesh with apertures or transfer. The 4-byte packing has none: transfer knows it, else the cap's own
+/// stands in.
+float ambientAt(const VertexVisibility& visibility, std::size_t vertex, const glm::vec3& normal) {
+  if (!visibility.ambient.empty()) return visibility.ambient[vertex];
+  if (!visibility.transfer.empty()) return visibility.transfer[vertex][0] / shared::kSkyConstant;
+  const Aperture& aperture = visibility.apertures[vertex];
+  const glm::vec3 side = normal == glm::vec3(0.0f) ? aperture.direction : normal;
+  return shared::capCosine(side, aperture.direction, aperture.radius) / shared::kCapPi;
+}
+
+/// Apertures of all vertices of a mesh; those without see the whole hemisphere.
 void appendApertures(const Mesh& mesh, Geometry& geometry) {
-  const bool baked = mesh.visibility && !mesh.visibility->apertures.empty();
+  const VertexVisibility* visibility = mesh.visibility ? &*mesh.visibility : nullptr;
+  const bool baked = visibility && !visibility->apertures.empty();
   for (std::size_t i = 0; i < mesh.positions.size(); ++i) {
     const glm::vec3 normal = mesh.normals.empty() ? glm::vec3(0.0f) : mesh.normals[i];
-    const bool none = normal == glm::vec3(0.0f);
-    if (!baked) {
-      geometry.apertures.push_back(packAperture64({none ? glm::vec3(0, 1, 0) : normal, shared::kApertureWidest}, 1.0f));
-      continue;
-    }
-    const Aperture& aperture = mesh.visibility->apertures[i];
-    const float ambient = mesh.visibility->ambient.empty()
-                              ? shared::capCosine(none ? aperture.direction : normal, aperture.direction, aperture.radius) / shared::kCapPi
-                              : mesh.visibility->ambient[i];
-    geometry.apertures.push_back(packAperture64(aperture, ambient));
+    const glm::vec3 axis = normal == glm::vec3(0.0f) ? glm::vec3(0, 1, 0) : normal;
+    const Aperture aperture = baked ? visibility->apertures[i] : Aperture{axis, shared::kApertureWidest};
+    const bool known = visibility && (baked || !visibility->transfer.empty());
+    geometry.apertures.push_back(packAperture64(aperture, known ? ambientAt(*visibility, i, normal) : 1.0f));
   }
+}
+
+void appendTransfer(const Mesh& mesh, std::int32_t vertexOffset, Geometry& geometry, SceneMesh& out) {
+  out.transfer = mesh.visibility && !mesh.visibility->transfer.empty();
+  if (!out.transfer) return;
+  out.transferShift = static_cast<std::int32_t>(geometry.transfers.size() / 9) - vertexOffset;
+  for (const std::array<float, 9>& transfer : mesh.visibility->transfer)
+    geometry.transfers.insert(geometry.transfers.end(), transfer.begin(), transfer.end());
 }
 
 void appendMesh(const Scene& scene, const Mesh& mesh, Geometry& geometry, SceneMesh& out) {
@@ -74,6 +88,7 @@ void appendMesh(const Scene& scene, const Mesh& mesh, Geometry& geometry, SceneM
     geometry.vertices.insert(geometry.vertices.end(), {position.x, position.y, position.z, normal.x, normal.y, normal.z});
   }
   if (geometry.withApertures) appendApertures(mesh, geometry);
+  appendTransfer(mesh, vertexOffset, geometry, out);
   for (const MeshPart& part : mesh.parts) {
     GeometryDraw draw;
     draw.firstIndex = static_cast<std::uint32_t>(geometry.indices.size() + std::size_t{3} * part.firstTriangle);
@@ -85,42 +100,45 @@ void appendMesh(const Scene& scene, const Mesh& mesh, Geometry& geometry, SceneM
   for (const glm::uvec3& triangle : mesh.triangles) geometry.indices.insert(geometry.indices.end(), {triangle.x, triangle.y, triangle.z});
 }
 
+template <class T>
+Result<Done> upload(const Device& device, const std::vector<T>& values, VkBufferUsageFlags usage, GpuBuffer& into) {
+  const Result<GpuBuffer> made = makeBufferWith(device, std::as_bytes(std::span(values)), usage);
+  if (!made) return made.error();
+  into = made.value();
+  return Done{};
+}
+
 Result<Done> uploadMeshes(const Device& device, const fs::path& path, RuntimeScene& scene) {
   Geometry geometry;
   scene.meshes.resize(scene.scene.meshes.size());
   std::uint64_t vertexBytes = 0;
   std::uint64_t triangles = 0;
+  std::uint64_t transferBytes = 0;
   std::vector<bool> used(scene.meshes.size(), false);
   for (const SceneObject& object : scene.objects) used[object.mesh] = true;
   for (std::size_t i = 0; i < used.size(); ++i) {
-    vertexBytes += used[i] ? scene.scene.meshes[i].positions.size() * shared::kVertexFloats * sizeof(float) : 0;
-    triangles += used[i] ? scene.scene.meshes[i].triangles.size() : 0;
     const std::optional<VertexVisibility>& visibility = scene.scene.meshes[i].visibility;
-    geometry.withApertures |= used[i] && visibility && !visibility->apertures.empty();
+    const bool transfer = used[i] && visibility && !visibility->transfer.empty();
+    vertexBytes += used[i] ? scene.scene.meshes[i].positions.size() * shared::kVertexFloats * sizeof(float) : 0;
+    transferBytes += transfer ? scene.scene.meshes[i].positions.size() * sizeof(visibility->transfer[0]) : 0;
+    triangles += used[i] ? scene.scene.meshes[i].triangles.size() : 0;
+    geometry.withApertures |= transfer || (used[i] && visibility && !visibility->apertures.empty());
   }
   const std::uint64_t most = device.properties.limits.maxStorageBufferRange;
-  if (vertexBytes > most || triangles > UINT32_MAX / 3)
+  if (std::max(vertexBytes, transferBytes) > most || triangles > UINT32_MAX / 3)
     return Error{path.string(), "",
-                 fmt::format("{} bytes of vertices and {} triangles are more than {} can hold in one buffer ({} bytes)", vertexBytes,
-                             triangles, device.info.name, most)};
+                 fmt::format("{} bytes of vertices and {} triangles are more than {} can hold in one buffer ({} bytes)",
+                             std::max(vertexBytes, transferBytes), triangles, device.info.name, most)};
   for (std::size_t i = 0; i < used.size(); ++i) {
     Mesh& mesh = scene.scene.meshes[i];
     if (used[i]) appendMesh(scene.scene, mesh, geometry, scene.meshes[i]);
     mesh = Mesh{mesh.name, {}, {}, {}, {}, {}};
   }
-  const Result<GpuBuffer> vertices =
-      makeBufferWith(device, std::as_bytes(std::span(geometry.vertices)), VK_BUFFER_USAGE_STORAGE_BUFFER_BIT);
-  if (!vertices) return vertices.error();
-  scene.vertices = vertices.value();
-  const Result<GpuBuffer> indices = makeBufferWith(device, std::as_bytes(std::span(geometry.indices)), VK_BUFFER_USAGE_INDEX_BUFFER_BIT);
-  if (!indices) return indices.error();
-  scene.indices = indices.value();
-  if (!geometry.withApertures) return Done{};
-  const Result<GpuBuffer> apertures =
-      makeBufferWith(device, std::as_bytes(std::span(geometry.apertures)), VK_BUFFER_USAGE_STORAGE_BUFFER_BIT);
-  if (!apertures) return apertures.error();
-  scene.apertures = apertures.value();
-  return Done{};
+  Result<Done> done = upload(device, geometry.vertices, VK_BUFFER_USAGE_STORAGE_BUFFER_BIT, scene.vertices);
+  if (done) done = upload(device, geometry.indices, VK_BUFFER_USAGE_INDEX_BUFFER_BIT, scene.indices);
+  if (done && geometry.withApertures) done = upload(device, geometry.apertures, VK_BUFFER_USAGE_STORAGE_BUFFER_BIT, scene.apertures);
+  if (done && !geometry.transfers.empty()) done = upload(device, geometry.transfers, VK_BUFFER_USAGE_STORAGE_BUFFER_BIT, scene.transfers);
+  return done;
 }
 
 Result<Done> fillScene(const Device& device, const fs::path& path, RuntimeScene& scene) {
@@ -134,6 +152,13 @@ Result<Done> fillScene(const Device& device, const fs::path& path, RuntimeScene&
   constexpr std::size_t kMostAreaLights = shared::kMaxApertureLights - 1;
   if (const std::size_t lights = scene.lighting.areaLights.size(); lights > kMostAreaLights)
     return Error{path.string(), "areaLights", fmt::format("{} area lights are more than {}", lights, kMostAreaLights)};
+  if (!scene.lighting.skyImage.empty()) {
+    const Result<fs::path> image = skyFile(path.parent_path(), scene.lighting.skyImage);
+    if (!image) return image.error();
+    const Result<SkyHarmonics> sky = readSky(image.value());
+    if (!sky) return sky.error();
+    scene.sky = sky.value();
+  }
   scene.bounds = worldBounds(scene.scene);
   const Result<std::vector<std::uint32_t>> assetNodes = collectObjects(path, scene);
   if (!assetNodes) return assetNodes.error();
@@ -162,6 +187,7 @@ void destroyScene(const Device& device, RuntimeScene& scene) {
   destroyBuffer(device, scene.vertices);
   destroyBuffer(device, scene.indices);
   destroyBuffer(device, scene.apertures);
+  destroyBuffer(device, scene.transfers);
   scene = {};
 }
 

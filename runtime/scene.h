@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <vector>
 
 #include <glm/mat4x4.hpp>
@@ -10,6 +11,7 @@
 
 #include "formats/asset.h"
 #include "formats/scene.h"
+#include "formats/sky.h"
 #include "runtime/passes/geometry/geometry_pass.h"
 #include "runtime/vulkan/device.h"
 #include "runtime/vulkan/resources.h"
@@ -20,6 +22,8 @@ namespace overcast {
 struct SceneMesh {
   glm::dvec3 centre{0.0};           ///< local space
   std::vector<GeometryDraw> parts;  ///< indices, vertex offset and base colour; the instances are the frame's business
+  bool transfer = false;            ///< its vertices have transfer
+  std::int32_t transferShift = 0;   ///< from the index of a vertex to that of its transfer
 };
 
 /// One node with a mesh and an occluder.
@@ -41,15 +45,20 @@ struct RuntimeScene {
   /// The 8-byte packing of formats/shared/aperture.h for each vertex; null where no mesh has apertures. Meshes without see the whole
   /// hemisphere.
   GpuBuffer apertures;
+  GpuBuffer transfers;              ///< 9 floats for each vertex of meshes that have them; null where none has
+  std::optional<SkyHarmonics> sky;  ///< of the lighting's sky image; none: Lighting::skyColour from everywhere
 };
 
 inline bool hasApertures(const RuntimeScene& scene) {
   return scene.apertures.buffer != VK_NULL_HANDLE;
 }
+inline bool hasTransfer(const RuntimeScene& scene) {
+  return scene.transfers.buffer != VK_NULL_HANDLE;
+}
 
 /// Reads a baked scene, its assets (content hashes checked) and puts its meshes on the device. Errors name the file: not a scene, a mesh
-/// node without an occluder (the scene was not baked: says to run overcast-bake), an asset that is missing, changed or broken, more
-/// geometry than the device can hold.
+/// node without an occluder (the scene was not baked: says to run overcast-bake), an asset that is missing, changed or broken, a sky image
+/// that is none, more geometry than the device can hold.
 Result<RuntimeScene> loadScene(const Device& device, const std::filesystem::path& path);
 void destroyScene(const Device& device, RuntimeScene& scene);
 

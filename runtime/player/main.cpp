@@ -56,6 +56,14 @@ std::optional<Failure> playPictures(const Device& device, const RuntimeScene& sc
 int playOn(const Device& device, const PlayerOptions& options, const Window& window) {
   Result<RuntimeScene> scene = loadScene(device, options.scene);
   if (!scene) return fail(scene.error(), scene.error().file.empty() ? ExitCode::noDevice : ExitCode::unreadable);
+  if (!options.sky.empty()) {
+    const Result<SkyHarmonics> sky = readSky(options.sky);
+    if (!sky) {
+      destroyScene(device, scene.value());
+      return fail(sky.error(), ExitCode::unreadable);
+    }
+    scene.value().sky = sky.value();
+  }
   for (const std::string& note : scene.value().scene.notes) printMessage(oneLine("overcast-player: note: " + note) + "\n");
   const auto failure =
       options.headless ? playPictures(device, scene.value(), options) : playInWindow(device, scene.value(), options, window);

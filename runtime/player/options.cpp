@@ -86,7 +86,7 @@ ParsedOptions parseOptions(int argc, char** argv) {
   CLI::App app("Plays a baked scene: sky light from composited distance volumes.", "overcast-player");
   app.footer(kFooter);
   app.option_defaults()->multi_option_policy(CLI::MultiOptionPolicy::TakeLast);
-  std::string scene, frames, size, camera;
+  std::string scene, frames, size, camera, sky;
   int resolution = 0, taps = 0;
   Daylight day;
   app.add_option("SCENE", scene, "a scene that overcast-bake wrote (.gltf)");
@@ -126,10 +126,12 @@ ParsedOptions parseOptions(int argc, char** argv) {
       ->check(CLI::Range(-1e3, 1e3))
       ->needs(hourOption)
       ->capture_default_str();
+  app.add_option("--sky", sky, "an EXR, latitude-longitude or cube, that is the sky (default: as the scene has it)");
   app.add_option("--supersample", options.supersample, "samples per pixel along a side")->check(CLI::Range(1, 8))->capture_default_str();
   try {
     app.parse(argc, argv);
     options.scene = scene;
+    options.sky = sky;
     std::pair<int, int> range{0, 0}, sides{options.width, options.height};
     if (!frames.empty()) take("--frames", parseFrames(frames), range);
     if (!size.empty()) take("--size", parseSize(size), sides);

@@ -42,7 +42,8 @@ struct PlayerOptions {
   ApertureMode apertureMode = ApertureMode::accurate;
   std::optional<Daylight> daylight;
   Technique technique = Technique::overcast;
-  float constant = 0.5f;  ///< of Technique::constant
+  float constant = 0.5f;      ///< of Technique::constant
+  std::filesystem::path sky;  ///< an EXR in place of the scene's sky; empty: none
 };
 
 /// What the command line says, or the exit code when there is nothing to do any more (help was shown, or a usage error reported).

@@ -61,7 +61,8 @@ TEST(Extension, ReadsBackBitForBit) {
     auto read = parseLighting(lightingJson(made), "x");
     RC_ASSERT(read.ok());
     const Lighting& again = read.value();
-    RC_ASSERT(again.skyColour == made.skyColour && again.up == made.up && again.exposure == made.exposure);
+    RC_ASSERT(again.skyColour == made.skyColour && again.skyImage == made.skyImage && again.up == made.up &&
+              again.exposure == made.exposure);
     RC_ASSERT(again.sun.has_value() == made.sun.has_value());
     if (made.sun) RC_ASSERT(again.sun->direction == made.sun->direction && again.sun->angularRadius == made.sun->angularRadius);
     if (made.sun) RC_ASSERT(again.sun->colour == made.sun->colour);
@@ -138,6 +139,7 @@ void expectAgreement(const Json& schema, const Json& whole, Parse parse) {
 TEST(Extension, TheParserRefusesWhatTheSchemaRefusesAndNamesTheField) {
   Lighting lighting = test::randomLighting(3);
   lighting.sun = Sun{};
+  lighting.skyImage = "sky.exr";
   lighting.globalVolume.bounds = Box{glm::dvec3(-1), glm::dvec3(1)};
   lighting.areaLights = {AreaLight{}};
   lighting.areaLights[0].node = 2;

@@ -155,6 +155,7 @@ Lighting lighting(Dice& dice) {
   Lighting made;
   made.skyColour = dice.colour();
   made.up = dice.direction();
+  if (dice.chance(0.5)) made.skyImage = "skies/dusk & dawn.exr";
   if (dice.chance(0.5)) made.sun = Sun{dice.direction(), dice.colour(), dice.single(1e-4, 1)};
   for (int i = dice.integer(0, 3); i > 0; --i)
     made.areaLights.push_back({glm::vec3(dice.vector(-9, 9)), dice.single(0.01, 2), dice.colour()});

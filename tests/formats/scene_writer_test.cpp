@@ -169,6 +169,23 @@ TEST(SceneWriter, ShearedMatricesBecomeTwoNodesInTheSamePlace) {
   }
 }
 
+TEST(SceneWriter, LampsStayWithShearedNodes) {
+  const TemporaryFolder folder;
+  Scene scene = sheared();
+  scene.lighting.emplace();
+  for (int i = 0; i < static_cast<int>(scene.nodes.size()); ++i)
+    scene.lighting->areaLights.push_back({{0.3f, -0.4f, 0.7f}, 0.1f, {1, 1, 1}, i});
+  const Scene again = writtenAndRead(scene, folder.path / "lamps.gltf");
+  ASSERT_EQ(again.lighting->areaLights.size(), scene.nodes.size());
+  const auto placed = [](const Scene& in, const AreaLight& light) {
+    return worldFromLocal(in, 0.0)[static_cast<std::size_t>(light.node)] * glm::dvec4(light.position, 1.0);
+  };
+  for (std::size_t i = 0; i < scene.nodes.size(); ++i) {
+    const glm::dvec4 was = placed(scene, scene.lighting->areaLights[i]), is = placed(again, again.lighting->areaLights[i]);
+    EXPECT_LT(glm::distance(was, is), 1e-6 * glm::length(was)) << i;
+  }
+}
+
 TEST(Normals, ACubeSplitsAtItsEdges) {
   const Mesh mesh = withNormals(soup());
   EXPECT_EQ(mesh.positions.size(), 36u) << "a soup has a vertex for every corner already";

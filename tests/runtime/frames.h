@@ -14,10 +14,12 @@ namespace overcast::test {
 /// Opens a scene and a renderer for it, and closes both.
 class Frames : public DeviceTest {
  protected:
-  void open(const std::filesystem::path& file, const FrameSettings& wanted) {
+  /// `sky` in place of the scene's own.
+  void open(const std::filesystem::path& file, const FrameSettings& wanted, const std::optional<SkyHarmonics>& sky = {}) {
     Result<RuntimeScene> loaded = loadScene(device, file);
     ASSERT_TRUE(loaded.ok()) << message(loaded.error());
     scene = std::move(loaded).value();
+    if (sky) scene.sky = sky;
     Result<FrameRenderer> made = makeFrameRenderer(device, scene, wanted);
     ASSERT_TRUE(made.ok()) << message(made.error());
     renderer = std::move(made).value();

@@ -1,7 +1,9 @@
 // One thread per pixel: light through the aperture that the geometry pass left.
-// OVERCAST_APERTURE_MODE: one of kAperture....; OVERCAST_OTHERS: the scene has more than one object.
+// OVERCAST_APERTURE_MODE: one of kAperture....; OVERCAST_OTHERS: the scene has more than one object;
+// OVERCAST_SKY: the sky is not uniform; OVERCAST_TRANSFER: some meshes bring their own sky light.
 #version 460
 #include "runtime/passes/aperture/aperture.h"
+#include "runtime/passes/aperture/sky.h"
 #include "runtime/passes/screen/screen.glsl"
 
 layout(push_constant) uniform Push {
@@ -11,6 +13,28 @@ layout(set = 0, binding = 4) uniform usampler2D apertureImage;
 layout(set = 0, binding = 5, std430) readonly buffer Lights {
   ApertureLight lights[];
 };
+
+#ifdef OVERCAST_SKY
+layout(set = 0, binding = 7, std430) readonly buffer Sky {
+  SkyLight skyLight;
+};
+#endif
+#ifdef OVERCAST_TRANSFER
+layout(set = 0, binding = 8) uniform sampler2D skyLightImage;
+#endif
+
+// What comes through the aperture from the whole sky, over pi.
+vec3 lightOfSky(ivec2 pixel, vec3 normal, vec4 aperture, float ambient) {
+#ifdef OVERCAST_TRANSFER
+  vec4 own = texelFetch(skyLightImage, pixel, 0);
+  if (own.a > 0.5) return own.rgb;
+#endif
+#ifdef OVERCAST_SKY
+  return skyThrough(skyLight, normal, aperture) * ambient;
+#else
+  return push.sky.rgb * ambient;
+#endif
+}
 
 #ifdef OVERCAST_OTHERS
 layout(set = 0, binding = 6) uniform sampler3D volume;
@@ -73,10 +97,11 @@ void main() {
 #endif
     received += lights[i].radiance.rgb * share.cosine;
   }
-  float sky = ambientFromWord(code.y);
+  float ambient = ambientFromWord(code.y);
+  float others = 1.0;
 #ifdef OVERCAST_OTHERS
-  if (sky > 0.0) sky *= skyOfOthers(from, normal, aperture);
+  if (ambient > 0.0) others = skyOfOthers(from, normal, aperture);
 #endif
-  received = received / kCapPi + push.sky.rgb * sky * skyShare(aperture.w, covered);
-  writeLight(pixel, received, sky);
+  received = received / kCapPi + lightOfSky(pixel, normal, aperture, ambient) * (others * skyShare(aperture.w, covered));
+  writeLight(pixel, received, ambient * others);
 }

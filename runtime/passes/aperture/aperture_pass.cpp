@@ -32,7 +32,8 @@ bool shines(const glm::vec3& colour) {
 }
 
 Result<Done> fill(const Device& device, const ApertureInputs& inputs, ApertureMode mode, AperturePass& pass) {
-  constexpr std::uint32_t kAperture = kFirstScreenBinding, kLights = kAperture + 1, kVolume = kAperture + 2;
+  constexpr std::uint32_t kAperture = kFirstScreenBinding, kLights = kAperture + 1, kVolume = kAperture + 2, kSky = kAperture + 3,
+                          kSkyLight = kAperture + 4;
   const Result<GpuBuffer> lights =
       makeBuffer(device, shared::kMaxApertureLights * sizeof(ApertureLight), VK_BUFFER_USAGE_STORAGE_BUFFER_BIT, MemoryUse::upload);
   if (!lights) return lights.error();
@@ -43,11 +44,22 @@ Result<Done> fill(const Device& device, const ApertureInputs& inputs, ApertureMo
     shader.defines.push_back({"OVERCAST_OTHERS", "1"});
     own.push_back({kVolume, VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER});
   }
+  if (inputs.sky) {
+    shader.defines.push_back({"OVERCAST_SKY", "1"});
+    own.push_back({kSky, VK_DESCRIPTOR_TYPE_STORAGE_BUFFER});
+  }
+  const GpuImage& skyLight = inputs.images.skyLight;
+  if (skyLight.image) {
+    shader.defines.push_back({"OVERCAST_TRANSFER", "1"});
+    own.push_back({kSkyLight, VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER});
+  }
   Result<ScreenPass> screen = makeScreenPass(device, inputs.images, inputs.light, shader, own, sizeof(AperturePush));
   if (!screen) return screen.error();
   pass.screen = std::move(screen).value();
   writeSampledImage(device, pass.screen.set, kAperture, inputs.images.aperture.view, pass.screen.nearest);
   writeBuffer(device, pass.screen.set, kLights, pass.lights);
+  if (inputs.sky) writeBuffer(device, pass.screen.set, kSky, *inputs.sky);
+  if (skyLight.image) writeSampledImage(device, pass.screen.set, kSkyLight, skyLight.view, pass.screen.nearest);
   if (inputs.others)
     writeSampledImage(device, pass.screen.set, kVolume, inputs.others->views[0], inputs.others->sampler, VK_IMAGE_LAYOUT_GENERAL);
   return Done{};

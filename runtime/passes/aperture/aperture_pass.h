@@ -32,6 +32,7 @@ struct ApertureInputs {
   const GeometryImages& images;         ///< made with apertures
   const GpuImage& light;                ///< makeLightImage
   const PyramidPass* others = nullptr;  ///< over the global volume, which alone is read; null: the scene has one object
+  const GpuBuffer* sky = nullptr;       ///< a shared::SkyLight, the frame's; null: the sky is uniform
 };
 Result<AperturePass> makeAperturePass(const Device& device, const ApertureInputs& inputs, ApertureMode mode);
 void destroyAperturePass(const Device& device, AperturePass& pass);
@@ -46,7 +47,7 @@ std::vector<shared::ApertureLight> apertureLights(const Lighting& lighting, std:
 struct ApertureView {
   glm::dmat4 clipFromRelative{1.0};  ///< as the geometry pass had it
   glm::dvec3 eye{0.0};
-  glm::vec3 skyColour{1.0f};  ///< Lighting::skyColour
+  glm::vec3 skyColour{1.0f};  ///< of a uniform sky
 };
 
 /// Records the pass; outside of rendering, after recordGeometry and recordComposite. `grid` is the composite's. Afterwards the light image

@@ -1,4 +1,4 @@
-// OVERCAST_APERTURES: with the interpolated aperture, packed.
+// OVERCAST_APERTURES: with the interpolated aperture, packed. OVERCAST_TRANSFER: with the interpolated sky light.
 #version 460
 #include "runtime/passes/geometry/geometry.h"
 
@@ -9,7 +9,14 @@ layout(location = 3) in vec2 radiusAmbient;
 layout(location = 2) out uvec2 outAperture;
 #endif
 
-layout(push_constant) uniform Push { GeometryPush push; };
+#ifdef OVERCAST_TRANSFER
+layout(location = 5) in vec4 skyLight;
+layout(location = 3) out vec4 outSkyLight;
+#endif
+
+layout(push_constant) uniform Push {
+  GeometryPush push;
+};
 
 layout(location = 0) in vec3 relative;
 layout(location = 1) in vec3 normal;
@@ -28,5 +35,8 @@ void main() {
   const float squared = dot(aperture, aperture);
   const vec3 axis = squared > 0.0 ? aperture / sqrt(squared) : outNormal.xyz;
   outAperture = aperturePacked(vec4(axis, radiusAmbient.x), radiusAmbient.y);
+#endif
+#ifdef OVERCAST_TRANSFER
+  outSkyLight = max(skyLight, vec4(0.0));
 #endif
 }

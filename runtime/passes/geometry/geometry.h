@@ -5,7 +5,7 @@
 #ifndef RUNTIME_PASSES_GEOMETRY_GEOMETRY_H
 #define RUNTIME_PASSES_GEOMETRY_GEOMETRY_H
 
-#include "runtime/shared_types.h"
+#include "runtime/passes/aperture/sky.h"
 
 OVERCAST_SHARED_BEGIN
 
@@ -19,6 +19,12 @@ struct GeometryInstance {
   vec4 normalX;  // 48: normal.x = dot(normalX.xyz, local normal), of any length: the inverse transpose times a positive number
   vec4 normalY;  // 64
   vec4 normalZ;  // 80
+};
+
+/// What the vertices of a placed mesh with transfer (VertexVisibility::transfer) are lit by.
+struct TransferInstance {
+  SkyLight sky;  //    0: in the mesh's own axes
+  ivec4 first;   //  144: x: added to a vertex's index gives that of its transfer; y: 1, or 0 for a mesh without
 };
 
 struct GeometryPush {

@@ -1,16 +1,34 @@
 // OVERCAST_APERTURES: with each vertex's aperture (8-byte packing, local space), turned into the world.
+// OVERCAST_TRANSFER: with the sky light of vertices that have transfer.
 #version 460
 #include "runtime/passes/geometry/geometry.h"
 
-layout(binding = 0, std430) readonly buffer Vertices { float vertices[]; };
-layout(binding = 1, std430) readonly buffer Instances { GeometryInstance instances[]; };
+layout(binding = 0, std430) readonly buffer Vertices {
+  float vertices[];
+};
+layout(binding = 1, std430) readonly buffer Instances {
+  GeometryInstance instances[];
+};
 #ifdef OVERCAST_APERTURES
 #include "formats/shared/aperture.h"
-layout(binding = 2, std430) readonly buffer Apertures { uvec2 apertures[]; };
+layout(binding = 2, std430) readonly buffer Apertures {
+  uvec2 apertures[];
+};
 layout(location = 2) out vec3 aperture;
 layout(location = 3) out vec2 radiusAmbient;
 #endif
-layout(push_constant) uniform Push { GeometryPush push; };
+#ifdef OVERCAST_TRANSFER
+layout(binding = 5, std430) readonly buffer Transfers {
+  float transfers[];
+};  // 9 for each vertex
+layout(binding = 6, std430) readonly buffer TransferInstances {
+  TransferInstance transferInstances[];
+};
+layout(location = 5) out vec4 skyLight;
+#endif
+layout(push_constant) uniform Push {
+  GeometryPush push;
+};
 
 layout(location = 0) out vec3 relative;
 layout(location = 1) out vec3 normal;
@@ -27,6 +45,15 @@ void main() {
   const vec4 cap = apertureFromWords(code.x, code.y);
   aperture = normalize(vec3(dot(instance.rowX.xyz, cap.xyz), dot(instance.rowY.xyz, cap.xyz), dot(instance.rowZ.xyz, cap.xyz)));
   radiusAmbient = vec2(cap.w, ambientFromWord(code.y));
+#endif
+#ifdef OVERCAST_TRANSFER
+  skyLight = vec4(0.0);
+  const ivec4 own = transferInstances[gl_InstanceIndex].first;
+  if (own.y != 0) {
+    const int transfer = 9 * (gl_VertexIndex + own.x);
+    for (int i = 0; i < 9; ++i) skyLight += transfers[transfer + i] * transferInstances[gl_InstanceIndex].sky.coefficients[i];
+    skyLight.w = 1.0;
+  }
 #endif
   gl_Position = push.clipFromRelative * vec4(relative, 1.0);
 }

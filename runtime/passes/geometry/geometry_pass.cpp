@@ -13,14 +13,19 @@ namespace {
 
 using shared::GeometryInstance;
 using shared::GeometryPush;
+using shared::TransferInstance;
 
 static_assert(sizeof(GeometryInstance) == 96 && offsetof(GeometryInstance, normalX) == 48);
 static_assert(sizeof(GeometryPush) == 80 && offsetof(GeometryPush, baseColour) == 64);
+static_assert(sizeof(TransferInstance) == 160 && offsetof(TransferInstance, first) == 144);
 
 constexpr VkFormat kDepthFormat = VK_FORMAT_D32_SFLOAT;
 constexpr VkFormat kNormalFormat = VK_FORMAT_R16G16B16A16_SFLOAT;
 constexpr VkFormat kColourFormat = VK_FORMAT_R8G8B8A8_SRGB;
 constexpr VkFormat kApertureFormat = VK_FORMAT_R32G32_UINT;
+constexpr VkFormat kSkyLightFormat = VK_FORMAT_R16G16B16A16_SFLOAT;
+
+constexpr std::uint32_t kTransferBinding = 5;
 
 Result<GpuImage> makeTarget(const Device& device, VkExtent2D size, VkFormat format, VkImageUsageFlags usage) {
   ImageSettings settings;
@@ -52,7 +57,8 @@ VkRenderingAttachmentInfo attachment(const GpuImage& image, VkImageLayout layout
 void beginRendering(VkCommandBuffer commands, const GeometryImages& images) {
   std::vector<VkRenderingAttachmentInfo> colours{attachment(images.normal, kColourWrite.layout),
                                                  attachment(images.colour, kColourWrite.layout)};
-  if (images.aperture.image) colours.push_back(attachment(images.aperture, kColourWrite.layout));
+  for (const GpuImage* extra : {&images.aperture, &images.skyLight})
+    if (extra->image) colours.push_back(attachment(*extra, kColourWrite.layout));
   const VkRenderingAttachmentInfo depth = attachment(images.depth, kDepthWrite.layout);
   const VkExtent2D size{images.depth.extent.width, images.depth.extent.height};
   VkRenderingInfo info{VK_STRUCTURE_TYPE_RENDERING_INFO};
@@ -67,7 +73,7 @@ void beginRendering(VkCommandBuffer commands, const GeometryImages& images) {
   vkCmdSetScissor(commands, 0, 1, &info.renderArea);
 }
 
-GraphicsSettings settingsOf(bool apertures) {
+GraphicsSettings settingsOf(const GeometryExtras& extras) {
   GraphicsSettings settings;
   settings.vertex = {"runtime/passes/geometry/geometry.vert.glsl", {}};
   settings.fragment = {"runtime/passes/geometry/geometry.frag.glsl", {}};
@@ -75,10 +81,15 @@ GraphicsSettings settingsOf(bool apertures) {
   settings.pushBytes = sizeof(GeometryPush);
   settings.colours = {kNormalFormat, kColourFormat};
   settings.depth = kDepthFormat;
-  if (!apertures) return settings;
+  if (!extras.apertures) return settings;
   for (Shader* shader : {&settings.vertex, &settings.fragment}) shader->defines.push_back({"OVERCAST_APERTURES", "1"});
   settings.bindings.push_back({2, VK_DESCRIPTOR_TYPE_STORAGE_BUFFER});
   settings.colours.push_back(kApertureFormat);
+  if (!extras.transfer) return settings;
+  for (Shader* shader : {&settings.vertex, &settings.fragment}) shader->defines.push_back({"OVERCAST_TRANSFER", "1"});
+  settings.bindings.push_back({kTransferBinding, VK_DESCRIPTOR_TYPE_STORAGE_BUFFER});
+  settings.bindings.push_back({kTransferBinding + 1, VK_DESCRIPTOR_TYPE_STORAGE_BUFFER});
+  settings.colours.push_back(kSkyLightFormat);
   return settings;
 }
 
@@ -89,11 +100,12 @@ constexpr Access kEarlierFrame{
 
 }  // namespace
 
-Result<GeometryImages> makeGeometryImages(const Device& device, VkExtent2D size, bool apertures) {
+Result<GeometryImages> makeGeometryImages(const Device& device, VkExtent2D size, const GeometryExtras& extras) {
   GeometryImages images;
   std::vector<std::pair<GpuImage*, VkFormat>> targets{
       {&images.depth, kDepthFormat}, {&images.normal, kNormalFormat}, {&images.colour, kColourFormat}};
-  if (apertures) targets.emplace_back(&images.aperture, kApertureFormat);
+  if (extras.apertures) targets.emplace_back(&images.aperture, kApertureFormat);
+  if (extras.transfer) targets.emplace_back(&images.skyLight, kSkyLightFormat);
   for (const auto& [image, format] : targets) {
     const VkImageUsageFlags usage =
         format == kDepthFormat ? VK_IMAGE_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT : VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT;
@@ -112,11 +124,12 @@ void destroyGeometryImages(const Device& device, GeometryImages& images) {
   destroyImage(device, images.normal);
   destroyImage(device, images.colour);
   destroyImage(device, images.aperture);
+  destroyImage(device, images.skyLight);
 }
 
 Result<GeometryPass> makeGeometryPass(const Device& device, const GpuBuffer& vertices, const GpuBuffer& indices, std::uint32_t capacity,
-                                      const GpuBuffer& apertures) {
-  const GraphicsSettings settings = settingsOf(apertures.buffer != VK_NULL_HANDLE);
+                                      const GpuBuffer& apertures, const GpuBuffer& transfer) {
+  const GraphicsSettings settings = settingsOf({apertures.buffer != VK_NULL_HANDLE, transfer.buffer != VK_NULL_HANDLE});
   GeometryPass pass;
   pass.indices = indices.buffer;
   pass.capacity = std::max(capacity, 1u);
@@ -137,11 +150,19 @@ Result<GeometryPass> makeGeometryPass(const Device& device, const GpuBuffer& ver
   writeBuffer(device, pass.set, 0, vertices);
   writeBuffer(device, pass.set, 1, pass.instances);
   if (apertures.buffer) writeBuffer(device, pass.set, 2, apertures);
+  if (!transfer.buffer) return pass;
+  Result<GpuBuffer> transfers =
+      makeBuffer(device, pass.capacity * sizeof(TransferInstance), VK_BUFFER_USAGE_STORAGE_BUFFER_BIT, MemoryUse::upload);
+  if (!transfers) return fail(transfers.error());
+  pass.transfers = transfers.value();
+  writeBuffer(device, pass.set, kTransferBinding, transfer);
+  writeBuffer(device, pass.set, kTransferBinding + 1, pass.transfers);
   return pass;
 }
 
 void destroyGeometryPass(const Device& device, GeometryPass& pass) {
   destroyBuffer(device, pass.instances);
+  destroyBuffer(device, pass.transfers);
   destroyDescriptorSet(device, pass.set);
   destroyPipeline(device, pass.pipeline);
 }
@@ -163,12 +184,17 @@ shared::GeometryInstance geometryInstance(const glm::dmat4& worldFromLocal, cons
 
 void recordGeometry(VkCommandBuffer commands, GeometryPass& pass, const GeometryImages& images,
                     std::span<const shared::GeometryInstance> instances, std::span<const GeometryDraw> draws,
-                    const glm::mat4& clipFromRelative) {
+                    const glm::mat4& clipFromRelative, std::span<const TransferInstance> transfers) {
   OVERCAST_REQUIRE(instances.size() <= pass.capacity, "{} instances, room for {}", instances.size(), pass.capacity);
   if (!instances.empty()) std::memcpy(pass.instances.mapped, instances.data(), instances.size_bytes());
+  if (pass.transfers.buffer && !instances.empty()) {
+    OVERCAST_REQUIRE(transfers.size() == instances.size(), "{} transfers for {} instances", transfers.size(), instances.size());
+    std::memcpy(pass.transfers.mapped, transfers.data(), transfers.size_bytes());
+  }
   transition(commands, images.normal, kEarlierFrame, kColourWrite);
   transition(commands, images.colour, kEarlierFrame, kColourWrite);
-  if (images.aperture.image) transition(commands, images.aperture, kEarlierFrame, kColourWrite);
+  for (const GpuImage* extra : {&images.aperture, &images.skyLight})
+    if (extra->image) transition(commands, *extra, kEarlierFrame, kColourWrite);
   transition(commands, images.depth, kEarlierFrame, kDepthWrite);
   beginRendering(commands, images);
   bind(commands, pass.pipeline, pass.set);
@@ -180,7 +206,8 @@ void recordGeometry(VkCommandBuffer commands, GeometryPass& pass, const Geometry
   vkCmdEndRendering(commands);
   transition(commands, images.normal, kColourWrite, kShaderSample);
   transition(commands, images.colour, kColourWrite, kShaderSample);
-  if (images.aperture.image) transition(commands, images.aperture, kColourWrite, kShaderSample);
+  for (const GpuImage* extra : {&images.aperture, &images.skyLight})
+    if (extra->image) transition(commands, *extra, kColourWrite, kShaderSample);
   transition(commands, images.depth, kDepthWrite, kShaderSample);
 }
 

@@ -23,9 +23,17 @@ struct GeometryImages {
   /// RG32UI: the interpolated aperture in world space and its ambient visibility, in the 8-byte packing of formats/shared/aperture.h; 0
   /// where there is no surface. Null in scenes without apertures.
   GpuImage aperture;
+  /// RGBA16F: rgb sky light by the vertices' transfer, irradiance / pi; a 1 on surfaces that have it, else 0. Null in scenes without.
+  GpuImage skyLight;
 };
 
-Result<GeometryImages> makeGeometryImages(const Device& device, VkExtent2D size, bool apertures = false);
+/// What a scene has beside vertices and indices.
+struct GeometryExtras {
+  bool apertures = false;
+  bool transfer = false;  ///< with apertures only
+};
+
+Result<GeometryImages> makeGeometryImages(const Device& device, VkExtent2D size, const GeometryExtras& extras = {});
 void destroyGeometryImages(const Device& device, GeometryImages& images);
 
 /// A run of indices drawn for a run of instances.
@@ -42,23 +50,26 @@ struct GeometryPass {
   Pipeline pipeline;
   DescriptorSet set;
   GpuBuffer instances;  ///< shared::GeometryInstance[capacity], mapped
+  GpuBuffer transfers;  ///< shared::TransferInstance[capacity], mapped; null without transfer
   VkBuffer indices = VK_NULL_HANDLE;
   std::uint32_t capacity = 0;
 };
 
 /// Draws from `vertices` (shared::kVertexFloats floats each) and `indices` (uint32), which must outlive the pass, as must `apertures` (an
 /// uvec2 for each vertex, the 8-byte packing of formats/shared/aperture.h). Without those (a null buffer) images without apertures are
-/// drawn, and nothing is spent on them.
+/// drawn, and nothing is spent on them. The same holds of `transfer`, the 9 floats of VertexVisibility::transfer of all meshes that have
+/// them, which is there with apertures only.
 Result<GeometryPass> makeGeometryPass(const Device& device, const GpuBuffer& vertices, const GpuBuffer& indices, std::uint32_t capacity,
-                                      const GpuBuffer& apertures = {});
+                                      const GpuBuffer& apertures = {}, const GpuBuffer& transfer = {});
 void destroyGeometryPass(const Device& device, GeometryPass& pass);
 
 /// The record of a mesh placed by `worldFromLocal` (affine, any determinant, singular ones too) and seen from `eye`, both in world space.
 shared::GeometryInstance geometryInstance(const glm::dmat4& worldFromLocal, const glm::dvec3& eye);
 
-/// Puts `instances` into the pass (the device must not be reading an earlier frame's) and records the draws. Outside of rendering.
+/// Puts `instances` and, of a pass with transfer, as many `transfers` into the pass (the device must not be reading an earlier frame's) and
+/// records the draws. Outside of rendering.
 void recordGeometry(VkCommandBuffer commands, GeometryPass& pass, const GeometryImages& images,
                     std::span<const shared::GeometryInstance> instances, std::span<const GeometryDraw> draws,
-                    const glm::mat4& clipFromRelative);
+                    const glm::mat4& clipFromRelative, std::span<const shared::TransferInstance> transfers = {});
 
 }  // namespace overcast

@@ -1,5 +1,7 @@
 // One thread per pixel: base colour times sky times sky visibility. OVERCAST_TAPS taps of the estimator OVERCAST_ESTIMATOR_<NAME>.
+// OVERCAST_SKY: the sky is not uniform.
 #version 460
+#include "runtime/passes/aperture/sky.h"
 #include "runtime/passes/screen/screen.glsl"
 #include "runtime/passes/shade/shade.h"
 
@@ -15,6 +17,21 @@ layout(set = 0, binding = 8) uniform sampler3D level4;
 layout(set = 0, binding = 9) uniform sampler3D level5;
 layout(set = 0, binding = 10) uniform sampler3D level6;
 layout(set = 0, binding = 11) uniform sampler3D level7;
+
+#ifdef OVERCAST_SKY
+layout(set = 0, binding = 12, std430) readonly buffer Sky {
+  SkyLight skyLight;
+};
+#endif
+
+// What an open surface receives of the sky, over pi.
+vec3 openSky(vec3 normal) {
+#ifdef OVERCAST_SKY
+  return skyOverOpen(skyLight, normalize(normal));
+#else
+  return push.sky.rgb;
+#endif
+}
 
 // phi of a level at a point inside it, both in voxels of level 0.
 float sampleLevel(int level, vec3 inside) {
@@ -60,6 +77,7 @@ void main() {
   ivec2 pixel;
   vec3 p;
   if (!surfaceOfThread(push.voxelFromClip, pixel, p)) return;
-  float sky = visibility(p, texelFetch(normalImage, pixel, 0).xyz);
-  writeLight(pixel, push.sky.rgb * sky, sky);
+  vec3 normal = texelFetch(normalImage, pixel, 0).xyz;
+  float sky = visibility(p, normal);
+  writeLight(pixel, openSky(normal) * sky, sky);
 }

@@ -15,6 +15,8 @@ namespace {
 /// The resolution at which Estimator::taps counts (formats/lighting.h).
 constexpr double kTapResolution = 128.0;
 
+constexpr std::uint32_t kSkyBinding = kFirstScreenBinding + shared::kMaxPyramidLevels;
+
 Shader shaderOf(const SkyTaps& taps) {
   std::string upper = taps.estimator;
   std::transform(upper.begin(), upper.end(), upper.begin(), [](unsigned char c) { return static_cast<char>(std::toupper(c)); });
@@ -39,17 +41,24 @@ Result<SkyTaps> skyTaps(const Estimator& estimator, int resolution) {
 }
 
 Result<ShadePass> makeShadePass(const Device& device, const GeometryImages& images, const GpuImage& light, const PyramidPass& pyramid,
-                                const SkyTaps& taps) {
+                                const SkyTaps& taps, const GpuBuffer* sky) {
   OVERCAST_REQUIRE(static_cast<int>(pyramid.views.size()) >= taps.count, "{} levels for {} taps", pyramid.views.size(), taps.count);
   std::vector<Binding> levels;
   for (std::uint32_t level = 0; level < shared::kMaxPyramidLevels; ++level)
     levels.push_back({kFirstScreenBinding + level, VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER});
-  Result<ScreenPass> screen = makeScreenPass(device, images, light, shaderOf(taps), levels, sizeof(shared::ShadePush));
+  std::vector<Binding> own = levels;
+  Shader shader = shaderOf(taps);
+  if (sky) {
+    shader.defines.push_back({"OVERCAST_SKY", "1"});
+    own.push_back({kSkyBinding, VK_DESCRIPTOR_TYPE_STORAGE_BUFFER});
+  }
+  Result<ScreenPass> screen = makeScreenPass(device, images, light, shader, own, sizeof(shared::ShadePush));
   if (!screen) return screen.error();
   ShadePass pass{std::move(screen).value(), taps};
   for (std::size_t level = 0; level < levels.size(); ++level)
     writeSampledImage(device, pass.screen.set, levels[level].binding, pyramid.views[std::min(level, pyramid.views.size() - 1)],
                       pyramid.sampler, VK_IMAGE_LAYOUT_GENERAL);
+  if (sky) writeBuffer(device, pass.screen.set, kSkyBinding, *sky);
   return pass;
 }
 

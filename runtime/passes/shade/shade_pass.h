@@ -37,16 +37,17 @@ struct ShadePass {
   SkyTaps taps;
 };
 
-/// Shades the pixels of `images` into `light` with a pyramid of at least taps.count levels; all must outlive the pass.
+/// Shades the pixels of `images` into `light` with a pyramid of at least taps.count levels; all must outlive the pass, as must `sky`, a
+/// shared::SkyLight, without which the sky is uniform.
 Result<ShadePass> makeShadePass(const Device& device, const GeometryImages& images, const GpuImage& light, const PyramidPass& pyramid,
-                                const SkyTaps& taps);
+                                const SkyTaps& taps, const GpuBuffer* sky = nullptr);
 void destroyShadePass(const Device& device, ShadePass& pass);
 
 /// What the frame's camera and light are. Positions in world space.
 struct ShadeView {
   glm::dmat4 clipFromRelative{1.0};  ///< as the geometry pass had it: clip space from positions relative to the eye
   glm::dvec3 eye{0.0};
-  glm::vec3 skyColour{1.0f};       ///< Lighting::skyColour
+  glm::vec3 skyColour{1.0f};       ///< of a uniform sky
   glm::vec3 up{0.0f, 1.0f, 0.0f};  ///< Lighting::up
 };
 

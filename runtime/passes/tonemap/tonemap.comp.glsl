@@ -1,4 +1,6 @@
+// OVERCAST_SKY: the sky is not uniform.
 #version 460
+#include "runtime/passes/aperture/sky.h"
 #include "runtime/passes/screen/screen.h"
 #include "runtime/passes/tonemap/tonemap.h"
 
@@ -9,6 +11,21 @@ layout(push_constant) uniform Push {
 layout(binding = 0) uniform sampler2D light;  // rgb: radiance, a: sky visibility or kNoSurface
 layout(binding = 1, rgba32f) writeonly uniform image2D resolved;
 layout(binding = 2, rgba8) writeonly uniform image2D display;
+
+#ifdef OVERCAST_SKY
+layout(binding = 3, std430) readonly buffer Sky {
+  SkyLight skyLight;
+};
+#endif
+
+// What lies behind the scene towards `way`.
+vec3 behind(vec3 way) {
+#ifdef OVERCAST_SKY
+  return skyRadiance(skyLight, way);
+#else
+  return backdrop(push.sky.rgb, dot(way, push.up.xyz));
+#endif
+}
 
 void main() {
   const ivec2 pixel = ivec2(gl_GlobalInvocationID.xy);
@@ -25,7 +42,7 @@ void main() {
       }
       const vec2 place = (vec2(texel) + 0.5) / vec2(push.size.xy * side);
       const vec3 ray = push.cornerRay.xyz + place.x * push.rightRay.xyz + place.y * push.downRay.xyz;
-      sum += vec4(backdrop(push.sky.rgb, dot(normalize(ray), push.up.xyz)), 1.0);
+      sum += vec4(behind(normalize(ray)), 1.0);
     }
   }
   const vec4 mean = sum / float(side * side);

@@ -10,6 +10,7 @@ using shared::TonemapPush;
 static_assert(sizeof(TonemapPush) == 96 && offsetof(TonemapPush, sky) == 48 && offsetof(TonemapPush, size) == 80);
 
 constexpr std::uint32_t kGroupSide = 8;
+constexpr std::uint32_t kSkyBinding = 3;
 
 Result<GpuImage> makeResult(const Device& device, VkExtent3D extent, VkFormat format) {
   ImageSettings settings;
@@ -19,18 +20,23 @@ Result<GpuImage> makeResult(const Device& device, VkExtent3D extent, VkFormat fo
   return makeImage(device, settings);
 }
 
-Result<Done> fillPass(const Device& device, TonemapPass& pass, VkExtent3D extent) {
+Result<Done> fillPass(const Device& device, TonemapPass& pass, VkExtent3D extent, const GpuBuffer* sky) {
   ComputeSettings settings;
   settings.shader = {"runtime/passes/tonemap/tonemap.comp.glsl", {}};
   settings.bindings = {
       {0, VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER}, {1, VK_DESCRIPTOR_TYPE_STORAGE_IMAGE}, {2, VK_DESCRIPTOR_TYPE_STORAGE_IMAGE}};
   settings.pushBytes = sizeof(TonemapPush);
+  if (sky) {
+    settings.shader.defines.push_back({"OVERCAST_SKY", "1"});
+    settings.bindings.push_back({kSkyBinding, VK_DESCRIPTOR_TYPE_STORAGE_BUFFER});
+  }
   Result<Pipeline> pipeline = makeComputePipeline(device, settings);
   if (!pipeline) return pipeline.error();
   pass.pipeline = std::move(pipeline).value();
   Result<DescriptorSet> set = makeDescriptorSet(device, pass.pipeline);
   if (!set) return set.error();
   pass.set = std::move(set).value();
+  if (sky) writeBuffer(device, pass.set, kSkyBinding, *sky);
   Result<GpuImage> resolved = makeResult(device, extent, VK_FORMAT_R32G32B32A32_SFLOAT);
   if (!resolved) return resolved.error();
   pass.resolved = std::move(resolved).value();
@@ -45,13 +51,13 @@ Result<Done> fillPass(const Device& device, TonemapPass& pass, VkExtent3D extent
 
 }  // namespace
 
-Result<TonemapPass> makeTonemapPass(const Device& device, const GpuImage& light, int samplesPerSide) {
+Result<TonemapPass> makeTonemapPass(const Device& device, const GpuImage& light, int samplesPerSide, const GpuBuffer* sky) {
   const auto side = static_cast<std::uint32_t>(samplesPerSide);
   const VkExtent3D& full = light.extent;
   OVERCAST_REQUIRE(samplesPerSide > 0 && full.width % side == 0 && full.height % side == 0, "{}x{} by {}", full.width, full.height, side);
   TonemapPass pass;
   pass.samplesPerSide = samplesPerSide;
-  const Result<Done> filled = fillPass(device, pass, {full.width / side, full.height / side, 1});
+  const Result<Done> filled = fillPass(device, pass, {full.width / side, full.height / side, 1}, sky);
   if (!filled) {
     destroyTonemapPass(device, pass);
     return filled.error();

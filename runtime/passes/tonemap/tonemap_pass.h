@@ -29,8 +29,9 @@ struct TonemapView {
 };
 
 /// A pass from `light` (makeLightImage: RGBA16F; rgb radiance, a sky visibility or shared::kNoSurface; layout SHADER_READ_ONLY_OPTIMAL),
-/// `samplesPerSide` times as wide and high as the picture. It must outlive the pass.
-Result<TonemapPass> makeTonemapPass(const Device& device, const GpuImage& light, int samplesPerSide);
+/// `samplesPerSide` times as wide and high as the picture. Behind the scene lies the sky of `sky`, a shared::SkyLight, or without one
+/// shared::backdrop. Both must outlive the pass.
+Result<TonemapPass> makeTonemapPass(const Device& device, const GpuImage& light, int samplesPerSide, const GpuBuffer* sky = nullptr);
 void destroyTonemapPass(const Device& device, TonemapPass& pass);
 
 /// Reads what earlier commands made visible to sampling in compute shaders. Afterwards both images may be copied from
