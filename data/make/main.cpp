@@ -33,6 +33,8 @@ constexpr NamedScene kScenes[] = {
     {"room_with_window", makeRoomWithWindow},
     {"stairs_and_thin_walls", makeStairsAndThinWalls},
     {"foliage", makeFoliage},
+    {"statue_two_lights", [] { return makeStatueTwoLights(makeStatue(1.3, 72, 112)); }},
+    {"sphere_over_plane", makeSphereOverPlane},
 };
 
 // Prints the error, if there is one; true when there is none.
@@ -63,6 +65,15 @@ int writeDefault(const fs::path& meshes, const fs::path& file) {
   return writeOne(scene, file);
 }
 
+/// The statue scene with a mesh of one's own, as tall as ours.
+int writeStatue(const fs::path& meshFile, const fs::path& file) {
+  Result<MeshFile> read = readMesh(meshFile);
+  if (!reported(read)) return 1;
+  Mesh mesh = std::move(read).value().mesh;
+  fitToSize(mesh, 1.3);
+  return writeOne(makeStatueTwoLights(std::move(mesh)), file);
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -76,6 +87,9 @@ int main(int argc, char** argv) {
   CLI::App* standard = app.add_subcommand("default", "the scene of the demo, with scanned meshes");
   standard->add_option("--meshes", meshes, "folder that holds elephant.off, bunny00.off and armadillo.off")->required();
   standard->add_option("-o,--output", output, ".gltf file to write")->required();
+  CLI::App* statue = app.add_subcommand("statue", "statue_two_lights with another mesh for a statue, y up");
+  statue->add_option("--mesh", meshes, "OBJ, PLY, STL or OFF")->required();
+  statue->add_option("-o,--output", output, ".gltf file to write")->required();
   CLI::App* clutter = app.add_subcommand("clutter", "objects that all move, over a slab");
   clutter->add_option("--objects", objects, "how many")->required()->check(CLI::Range(1, 4096));
   CLI::App* random = app.add_subcommand("random", "a scene by chance, to fit constants on or to test with");
@@ -86,5 +100,6 @@ int main(int argc, char** argv) {
   CLI11_PARSE(app, argc, argv);
   if (clutter->parsed()) return writeOne(makeMovingClutter(objects, seed), output);
   if (random->parsed()) return writeOne(makeRandomScene(seed), output);
+  if (statue->parsed()) return writeStatue(meshes, output);
   return all->parsed() ? writeAll(output) : writeDefault(meshes, output);
 }

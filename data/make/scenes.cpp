@@ -102,6 +102,58 @@ Scene makeClutter() {
 
 namespace {
 
+// Puts another closed shape beside those of a mesh, as a part of its own.
+void addPart(Mesh& mesh, const Mesh& shape, const glm::dvec3& at) {
+  const auto vertex = static_cast<std::uint32_t>(mesh.positions.size()), triangle = static_cast<std::uint32_t>(mesh.triangles.size());
+  for (const glm::dvec3& position : shape.positions) mesh.positions.push_back(snapped(position + at));
+  mesh.normals.insert(mesh.normals.end(), shape.normals.begin(), shape.normals.end());
+  for (const glm::uvec3& t : shape.triangles) mesh.triangles.push_back(t + vertex);
+  mesh.parts.push_back({triangle, static_cast<std::uint32_t>(shape.triangles.size()), -1});
+}
+
+// A lamp that moves with a node of its own, for orbit and sway.
+int addLamp(Scene& scene, const std::string& name, const glm::dvec3& at, double radius, const glm::dvec3& radiance) {
+  if (!scene.lighting) scene.lighting = Lighting{};
+  const int node = addNode(scene, name, -1, {at});
+  scene.lighting->areaLights.push_back({glm::vec3(0.0f), static_cast<float>(radius), glm::vec3(radiance), node});
+  return node;
+}
+
+}  // namespace
+
+Scene makeStatueTwoLights(Mesh statue) {
+  Scene scene = namedScene("statue_two_lights");
+  addGround(scene, 3.6, 3.6, addMaterial(scene, "paper", {0.78, 0.74, 0.68}));
+  const int stone = addMaterial(scene, "stone", {0.86, 0.84, 0.80}), slate = addMaterial(scene, "slate", {0.52, 0.53, 0.56});
+  standNode(scene, "plinth", addMesh(scene, makeCylinder(0.36, 0.16, 64), slate), 0.0, 0.0);
+  standNode(scene, "statue", addMesh(scene, std::move(statue), stone), 0.0, 0.0, turned(25.0, kUp), 0.16);
+  const int warm = addLamp(scene, "warm", {-0.85, 1.15, 0.95}, 0.14, {36.0, 19.0, 7.5});
+  const int blue = addLamp(scene, "blue", {1.15, 0.80, 0.35}, 0.34, {1.3, 2.4, 6.2});
+  orbit(scene, warm, {0.0, 1.15, 0.0}, 1, 0.3);
+  orbit(scene, blue, {1.0, 0.80, -0.25}, 2, 0.6);
+  scene.lighting->skyColour = {0.10f, 0.11f, 0.14f};
+  addCamera(scene, {0.45, 2.35, 3.9}, {0.0, 0.56, 0.0}, 28.0);
+  return scene;
+}
+
+Scene makeSphereOverPlane() {
+  Scene scene = namedScene("sphere_over_plane");
+  constexpr double kThickness = 0.25;
+  Mesh both = makeSlab({4.0, kThickness, 4.0}, 0.08);
+  addPart(both, makeIcosphere(0.5, 4), {0.0, 0.5 * kThickness + 0.85, 0.0});
+  both.name = "sphere_over_plane";
+  const int mesh = addMesh(scene, std::move(both), addMaterial(scene, "plaster", {0.80, 0.74, 0.66}));
+  scene.meshes[static_cast<std::size_t>(mesh)].parts.back().material = addMaterial(scene, "clay", {0.80, 0.52, 0.38});
+  addNode(scene, "sphere_over_plane", mesh, {{0.0, 0.5 * kThickness, 0.0}});
+  const int lamp = addLamp(scene, "lamp", {1.1, 2.6, 0.6}, 0.25, {34.0, 31.0, 26.0});
+  orbit(scene, lamp, {0.0, 2.6, 0.0}, 0, 0.0);
+  scene.lighting->skyColour = {0.16f, 0.19f, 0.24f};
+  addCamera(scene, {0.0, 2.1, 4.3}, {0.0, 0.6, 0.0}, 36.0);
+  return scene;
+}
+
+namespace {
+
 // A scanned mesh by name, or a shape of ours in its place.
 Mesh scannedMesh(const std::filesystem::path& folder, const char* name, double longestSide, std::vector<std::string>& notes) {
   auto file = readMesh(folder / (std::string(name) + ".off"));

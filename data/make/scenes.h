@@ -26,6 +26,13 @@ Scene makeCornellStar();
 /// Fourteen simple objects on a slab, five of them moving.
 Scene makeClutter();
 
+/// A statue on a plinth under a small warm and a large blue lamp, both moving, and little sky. The ground knows nothing of the statue.
+Scene makeStatueTwoLights(Mesh statue);
+
+/// Oat and Sander 2006, figure 8: what an aperture cannot tell. A sphere hovers over a plane, both of one mesh: points under it see a ring
+/// of sky, which no cap is like, while a lamp goes round.
+Scene makeSphereOverPlane();
+
 inline constexpr std::array<const char*, 3> kScannedMeshes = {"elephant", "bunny00", "armadillo"};
 
 /// `objects` objects of seven shapes over a slab, all moving: at most half turn on the ground, the others tumble or rise and fall above it.

@@ -74,6 +74,24 @@ double superformula(double angle, double lobes) {
   return std::pow(c + s, -6.0);
 }
 
+// A surface from pole to pole about the y axis: `point` takes the angle about it and a share of the way up, 0 to 1.
+Mesh polarSurface(int segments, int rings, const std::function<glm::dvec3(double, double)>& point) {
+  Mesh mesh;
+  const auto at = [&](int i, int j) { return point(-2.0 * kPi * i / segments, double(j) / rings); };
+  const glm::dvec3 bottom = at(0, 0), top = at(0, rings);
+  const std::uint32_t south = addVertex(mesh, bottom);
+  for (int j = 1; j < rings; ++j)
+    for (int i = 0; i < segments; ++i) addVertex(mesh, at(i, j));
+  const std::uint32_t north = addVertex(mesh, top);
+  const auto index = [&](int i, int j) { return static_cast<std::uint32_t>(1 + (j - 1) * segments + i % segments); };
+  for (int i = 0; i < segments; ++i) {
+    mesh.triangles.emplace_back(south, index(i + 1, 1), index(i, 1));
+    for (int j = 1; j + 1 < rings; ++j) addQuad(mesh, index(i, j), index(i + 1, j), index(i + 1, j + 1), index(i, j + 1));
+    mesh.triangles.emplace_back(north, index(i, rings - 1), index(i + 1, rings - 1));
+  }
+  return mesh;
+}
+
 }  // namespace
 
 double snapped(double value) {
@@ -203,23 +221,53 @@ Mesh makeTorusKnot(double radius, double tubeRadius, int p, int q, int segments,
 }
 
 Mesh makeStar(double radius, int arms, int segments, int rings) {
-  Mesh mesh;
-  const auto point = [&](int i, int j) {
-    const double around = -2.0 * kPi * i / segments, up = kPi * (double(j) / rings - 0.5);
-    const double fromMiddle = radius * superformula(up, 4.0), fromAxis = fromMiddle * superformula(around, arms) * std::cos(up);
-    return glm::dvec3(fromAxis * std::cos(around), fromMiddle * std::sin(up), fromAxis * std::sin(around));
+  return finished(polarSurface(segments, rings,
+                               [&](double around, double share) {
+                                 const double up = kPi * (share - 0.5), fromMiddle = radius * superformula(up, 4.0);
+                                 const double fromAxis = fromMiddle * superformula(around, arms) * std::cos(up);
+                                 return glm::dvec3(fromAxis * std::cos(around), fromMiddle * std::sin(up), fromAxis * std::sin(around));
+                               }),
+                  "star");
+}
+
+Mesh makeStatue(double height, int segments, int rings) {
+  // Widths of feet, hips, chest, neck and head, in heights, as bells about where they are: place, width, radius.
+  constexpr double kBody[][3] = {{-0.50, 0.13, 0.215}, {-0.13, 0.15, 0.130}, {0.16, 0.115, 0.150}, {0.40, 0.060, 0.092}};
+  const auto point = [&](double around, double share) {
+    const double y = 0.5 * std::sin(kPi * (share - 0.5));
+    double radius = 0.018;
+    for (const auto& bell : kBody) radius += bell[2] * std::exp(-std::pow((y - bell[0]) / bell[1], 2.0));
+    const double closing = std::pow(std::max(0.0, 1.0 - 4.0 * y * y), y < 0.0 ? 0.12 : 0.35);
+    const double folds = 1.0 / (1.0 + std::exp(26.0 * (y - 0.27)));  // the head has none
+    const double fold = 0.5 + 0.5 * std::sin(7.0 * around + 9.0 * y), crease = 0.5 + 0.5 * std::sin(17.0 * around - 14.0 * y);
+    radius *= closing * (1.0 + folds * (0.30 * std::pow(fold, 1.6) - 0.17 + 0.07 * crease * (0.3 - y)));
+    const glm::dvec3 spine(0.050 * std::sin(7.0 * y + 0.4), y, 0.035 * std::sin(5.0 * y - 0.8));
+    return height * (spine + radius * glm::dvec3(1.12 * std::cos(around), 0.0, 0.86 * std::sin(around)));
   };
-  const std::uint32_t south = addVertex(mesh, {0.0, point(0, 0).y, 0.0});
-  for (int j = 1; j < rings; ++j)
-    for (int i = 0; i < segments; ++i) addVertex(mesh, point(i, j));
-  const std::uint32_t north = addVertex(mesh, {0.0, point(0, rings).y, 0.0});
-  const auto index = [&](int i, int j) { return static_cast<std::uint32_t>(1 + (j - 1) * segments + i % segments); };
-  for (int i = 0; i < segments; ++i) {
-    mesh.triangles.emplace_back(south, index(i + 1, 1), index(i, 1));
-    for (int j = 1; j + 1 < rings; ++j) addQuad(mesh, index(i, j), index(i + 1, j), index(i + 1, j + 1), index(i, j + 1));
-    mesh.triangles.emplace_back(north, index(i, rings - 1), index(i + 1, rings - 1));
+  return finished(polarSurface(segments, rings, point), "statue");
+}
+
+Mesh makeSlab(const glm::dvec3& extent, double cell) {
+  const glm::ivec3 cells(std::max(1L, std::lround(extent.x / cell)), 1, std::max(1L, std::lround(extent.z / cell)));
+  Mesh mesh;
+  for (int axis = 0; axis < 3; ++axis) {
+    const int across = (axis + 1) % 3, along = (axis + 2) % 3;
+    for (const double side : {-1.0, 1.0}) {
+      const auto first = static_cast<std::uint32_t>(mesh.positions.size());
+      for (int j = 0; j <= cells[along]; ++j)
+        for (int i = 0; i <= cells[across]; ++i) {
+          glm::dvec3 place;
+          place[axis] = side;
+          place[across] = side * (2.0 * i / cells[across] - 1.0);
+          place[along] = 2.0 * j / cells[along] - 1.0;
+          addVertex(mesh, 0.5 * extent * place);
+        }
+      const auto index = [&](int i, int j) { return first + static_cast<std::uint32_t>(j * (cells[across] + 1) + i); };
+      for (int j = 0; j < cells[along]; ++j)
+        for (int i = 0; i < cells[across]; ++i) addQuad(mesh, index(i, j), index(i + 1, j), index(i + 1, j + 1), index(i, j + 1));
+    }
   }
-  return finished(std::move(mesh), "star");
+  return finished(std::move(mesh), "slab");
 }
 
 namespace {

@@ -38,6 +38,11 @@ Mesh merged(const std::vector<Mesh>& meshes, const char* name);
 /// The mesh moved to where a pose puts it.
 Mesh transformed(Mesh mesh, const glm::dvec3& translation, const glm::dquat& rotation);
 
+/// A box of squares of about `cell` (its sides only lengthwise), so that its vertices can tell what they see.
+Mesh makeSlab(const glm::dvec3& extent, double cell);
+/// A standing figure without a face: a swaying body of many folds, twisted about the y axis, `height` tall.
+Mesh makeStatue(double height, int segments, int rings);
+
 /// Nearest multiple of 1e-6.
 double snapped(double value);
 glm::dvec3 snapped(const glm::dvec3& value);

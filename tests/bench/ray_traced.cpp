@@ -12,6 +12,8 @@
 #include <glm/mat3x3.hpp>
 #include <glm/matrix.hpp>
 
+#include "runtime/sky_light.h"
+
 namespace overcast::bench {
 namespace {
 
@@ -170,8 +172,8 @@ glm::dvec3 capPoint(const Frame& frame, double height, int i, int n, double turn
   return (1.0 - h) * frame.z + sine * (std::cos(angle) * frame.x + std::sin(angle) * frame.y);
 }
 
-RayTracedPixel shade(const Traced& traced, const Hit& hit, const Lighting& lighting, const std::vector<glm::dmat4>& nodes, double turn,
-                     const RayTracedSettings& settings) {
+RayTracedPixel shade(const Traced& traced, const Hit& hit, const Lighting& lighting, const SkyHarmonics& sky,
+                     const std::vector<glm::dmat4>& nodes, double turn, const RayTracedSettings& settings) {
   RayTracedPixel pixel;
   pixel.surface = true;
   const std::vector<SeenLight> lights = lightsFrom(lighting, nodes, hit.position + traced.centre);
@@ -188,20 +190,22 @@ RayTracedPixel shade(const Traced& traced, const Hit& hit, const Lighting& light
   }
   pixel.lights = glm::vec3(hit.colour * received);
   const Frame frame = frameAbout(hit.normal);
-  double sky = 0.0;
+  const shared::SkyLight dome = skyLight(sky);
+  glm::dvec3 sum(0.0);
   for (int i = 0; i < settings.skyRays; ++i) {
     const glm::dvec3 direction = capPoint(frame, 1.0, i, settings.skyRays, turn);
     const bool lit = std::any_of(lights.begin(), lights.end(),
                                  [&](const SeenLight& light) { return glm::dot(direction, light.axis) > 1.0 - light.height; });
-    if (!lit && isFree(traced, hit, direction, 1e30)) sky += glm::dot(direction, hit.normal);
+    if (!lit && isFree(traced, hit, direction, 1e30))
+      sum += glm::dot(direction, hit.normal) * glm::dvec3(shared::skyRadiance(dome, glm::vec3(direction)));
   }
-  pixel.sky = glm::vec3(hit.colour * glm::dvec3(lighting.skyColour) * (2.0 * sky / settings.skyRays));
+  pixel.sky = glm::vec3(hit.colour * sum * (2.0 / settings.skyRays));
   return pixel;
 }
 
 }  // namespace
 
-std::vector<RayTracedPixel> rayTrace(const Scene& scene, const Lighting& lighting, double time, const View& view,
+std::vector<RayTracedPixel> rayTrace(const Scene& scene, const Lighting& lighting, const SkyHarmonics& sky, double time, const View& view,
                                      const RayTracedSettings& settings) {
   const Traced traced = makeTraced(scene, time);
   const std::vector<glm::dmat4> nodes = worldFromLocal(scene, time);
@@ -215,7 +219,8 @@ std::vector<RayTracedPixel> rayTrace(const Scene& scene, const Lighting& lightin
       const std::optional<Hit> hit = firstHit(traced, from, glm::normalize(glm::dvec3(far) / far.w));
       const std::size_t index = static_cast<std::size_t>(y) * static_cast<std::size_t>(settings.width) + static_cast<std::size_t>(x);
       // Each pixel turns its directions by an angle of its own (the golden ratio's multiples spread evenly).
-      if (hit) pixels[index] = shade(traced, *hit, lighting, nodes, 2.0 * kPi * 0.61803398874989485 * static_cast<double>(index), settings);
+      if (hit)
+        pixels[index] = shade(traced, *hit, lighting, sky, nodes, 2.0 * kPi * 0.61803398874989485 * static_cast<double>(index), settings);
     }
   });
   rtcReleaseScene(traced.scene);

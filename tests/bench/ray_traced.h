@@ -9,6 +9,7 @@
 
 #include "formats/camera.h"
 #include "formats/scene.h"
+#include "formats/sky.h"
 
 namespace overcast::bench {
 
@@ -26,7 +27,8 @@ struct RayTracedSettings {
 };
 
 /// The picture through the middles of all pixels, row by row. Normals are interpolated and turned to the eye as in the geometry pass.
-std::vector<RayTracedPixel> rayTrace(const Scene& scene, const Lighting& lighting, double time, const View& view,
+/// The sky is `sky`, not the lighting's.
+std::vector<RayTracedPixel> rayTrace(const Scene& scene, const Lighting& lighting, const SkyHarmonics& sky, double time, const View& view,
                                      const RayTracedSettings& settings);
 
 }  // namespace overcast::bench

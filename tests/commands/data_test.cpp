@@ -47,7 +47,7 @@ TEST(MakeData, MakesWhatIsCommittedByteForByte) {
     for (const auto& entry : fs::directory_iterator(folder / room))
       EXPECT_TRUE(fs::exists(kData / room / entry.path().filename())) << entry.path();
   }
-  EXPECT_EQ(files, 22u);
+  EXPECT_EQ(files, 26u);
 }
 
 TEST(MakeData, DefaultSceneDoesWithoutScannedMeshes) {
@@ -190,7 +190,7 @@ TEST_P(DataScene, LoopsWithoutAJump) {
 
 INSTANTIATE_TEST_SUITE_P(All, DataScene,
                          testing::Values("sphere_on_plane", "cornell_box", "cornell_knot", "cornell_star", "clutter", "clutter_64",
-                                         "room_with_window", "stairs_and_thin_walls", "foliage"));
+                                         "room_with_window", "stairs_and_thin_walls", "foliage", "statue_two_lights", "sphere_over_plane"));
 
 }  // namespace
 }  // namespace overcast::test
