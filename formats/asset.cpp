@@ -71,18 +71,6 @@ Result<EncodedAsset> encode(const Primitive& primitive, Occluder& occluder, Volu
   return EncodedAsset{};
 }
 
-/// The file, when it holds what the scene says it does.
-Result<fs::path> checkedFile(const fs::path& folder, const Occluder& occluder) {
-  Result<fs::path> path = resolveInside(folder, uriFromPath(occluder.uri));
-  if (!path) return path;
-  const Result<std::vector<std::byte>> bytes = readFile(path.value());
-  if (!bytes) return bytes.error();
-  const std::string hash = contentHash(bytes.value());
-  if (hash == occluder.contentHash) return path;
-  return Error{path.value().string(), "",
-               fmt::format("its content hash is {}, but the scene was baked with {}: bake the scene again", hash, occluder.contentHash)};
-}
-
 template <class T>
 Result<Asset> read(const fs::path& path) {
   Result<T> asset = kindOf<T>().read(path);
@@ -158,7 +146,7 @@ Result<Asset> readAsset(const fs::path& folder, const Occluder& occluder) {
     if (!occluder.primitive || !isWhole(*occluder.primitive)) return Error{"", "primitive", "is missing or out of range"};
     return Asset(*occluder.primitive);
   }
-  const Result<fs::path> path = checkedFile(folder, occluder);
+  const Result<fs::path> path = checkedFile(folder, occluder.uri, occluder.contentHash);
   if (!path) return path.error();
   return readKind(path.value(), occluder.representation);
 }

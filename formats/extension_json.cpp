@@ -14,6 +14,7 @@
 namespace overcast {
 namespace {
 
+constexpr int kLargestTexCoord = 31;
 constexpr double kLargestFloat = 3.4e38;
 constexpr double kTinyFloat = std::numeric_limits<float>::min();
 
@@ -29,12 +30,12 @@ bool isContentHash(const std::string& text) {
   return text.empty() || (text.size() == 32 && text.find_first_not_of("0123456789abcdef") == std::string::npos);
 }
 
-void readFileOf(Fields& fields, Occluder& occluder) {
+void readFileOf(Fields& fields, std::string& uri, std::string& contentHash) {
   std::string text;
   fields.text("uri", text, false);
-  occluder.uri = pathFromUri(text);
-  fields.text("contentHash", occluder.contentHash, true);
-  if (!isContentHash(occluder.contentHash)) fields.fail("contentHash", "is not 32 lower-case hexadecimal digits");
+  uri = pathFromUri(text);
+  fields.text("contentHash", contentHash, true);
+  if (!isContentHash(contentHash)) fields.fail("contentHash", "is not 32 lower-case hexadecimal digits");
 }
 
 void readPrimitive(Fields fields, Primitive& primitive) {
@@ -81,7 +82,7 @@ void readOccluder(Fields& fields, Occluder& occluder) {
   if (occluder.representation == Representation::primitive)
     readPrimitive(fields.child("primitive"), occluder.primitive.emplace());
   else
-    readFileOf(fields, occluder);
+    readFileOf(fields, occluder.uri, occluder.contentHash);
   constexpr std::uint64_t largest = std::numeric_limits<std::uint64_t>::max();
   fields.integer("bytes", occluder.bytes, std::uint64_t{0}, largest);
   if (fields.has("bits")) fields.integer("bits", occluder.bits, 1, 32);
@@ -93,6 +94,18 @@ void readOccluder(Fields& fields, Occluder& occluder) {
   readMeasuredError(fields.child("error"), occluder.error);
   fields.text("source", occluder.source, true);
   fields.text("settingsHash", occluder.settingsHash, true);
+}
+
+void readAperture(Fields& fields, ApertureLink& link) {
+  fields.version(kApertureLinkVersion);
+  readFileOf(fields, link.uri, link.contentHash);
+  fields.integer("bytes", link.bytes, std::uint64_t{0}, std::numeric_limits<std::uint64_t>::max());
+  if (fields.has("texCoord")) fields.integer("texCoord", link.texCoord, 0, kLargestTexCoord);
+  if (!fields.has("error")) return;
+  Fields error = fields.child("error");
+  error.number("radius", link.radiusError, 0.0, kLargestNumber);
+  error.number("ambient", link.ambientError, 0.0, kLargestNumber);
+  error.number("direction", link.directionError, 0.0, kLargestNumber);
 }
 
 void readSun(Fields fields, Sun& sun) {
@@ -210,12 +223,27 @@ std::string lightingJson(const Lighting& lighting) {
   return dumpJson(json);
 }
 
+std::string apertureJson(const ApertureLink& link) {
+  Json json = {{"version", kApertureLinkVersion},
+               {"uri", uriFromPath(link.uri)},
+               {"contentHash", link.contentHash},
+               {"bytes", link.bytes},
+               {"texCoord", link.texCoord}};
+  if (link.radiusError >= 0.0)
+    json["error"] = {{"radius", link.radiusError}, {"ambient", link.ambientError}, {"direction", link.directionError}};
+  return dumpJson(json);
+}
+
 Result<Occluder> parseOccluder(std::string_view json, const std::string& place) {
   return parseObject<Occluder>(json, place, readOccluder);
 }
 
 Result<Lighting> parseLighting(std::string_view json, const std::string& place) {
   return parseObject<Lighting>(json, place, readLighting);
+}
+
+Result<ApertureLink> parseAperture(std::string_view json, const std::string& place) {
+  return parseObject<ApertureLink>(json, place, readAperture);
 }
 
 }  // namespace overcast

@@ -1,10 +1,11 @@
-// The JSON of the glTF extensions OVERCAST_occluder (on nodes) and OVERCAST_lighting (on the scene). What each field means and may
-// hold is in formats/schema/*.schema.json; these functions hold to the schemas.
+// The JSON of the glTF extensions OVERCAST_occluder (on nodes), OVERCAST_lighting (on the scene) and OVERCAST_aperture (on meshes). What
+// each field means and may hold is in formats/schema/*.schema.json; these functions hold to the schemas.
 #pragma once
 
 #include <string>
 #include <string_view>
 
+#include "formats/aperture_link.h"
 #include "formats/lighting.h"
 #include "formats/occluder.h"
 #include "formats/result.h"
@@ -14,6 +15,7 @@ namespace overcast {
 /// One JSON object on one line, keys in the order of the schema. Doubles are written so that they read back bit for bit.
 std::string occluderJson(const Occluder& occluder);
 std::string lightingJson(const Lighting& lighting);
+std::string apertureJson(const ApertureLink& link);
 
 /// The double with the fewest digits that reads back as `value`: JSON then says 0.05 and not 0.05000000074505806.
 double shortest(float value);
@@ -23,5 +25,6 @@ double shortest(float value);
 /// missing, a type or range is wrong, or `version` is newer than this code.
 Result<Occluder> parseOccluder(std::string_view json, const std::string& place);
 Result<Lighting> parseLighting(std::string_view json, const std::string& place);
+Result<ApertureLink> parseAperture(std::string_view json, const std::string& place);
 
 }  // namespace overcast

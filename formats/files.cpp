@@ -13,6 +13,8 @@
 #include <system_error>
 #include <utility>
 
+#include "formats/uri.h"
+
 namespace overcast {
 namespace {
 
@@ -297,6 +299,16 @@ Result<fs::path> resolveInside(const fs::path& folder, std::string_view relative
   const auto [rootEnd, targetRest] = std::mismatch(root.begin(), root.end(), target.begin(), target.end());
   if (rootEnd != root.end() || targetRest == target.end()) return refuse("leaves the folder of the asset");
   return folder / normal;
+}
+
+Result<std::filesystem::path> checkedFile(const std::filesystem::path& folder, std::string_view relative, const std::string& hash) {
+  Result<std::filesystem::path> path = resolveInside(folder, uriFromPath(relative));
+  if (!path) return path;
+  const Result<std::string> found = fileHash(path.value());
+  if (!found) return found.error();
+  if (found.value() == hash) return path;
+  return Error{path.value().string(), "",
+               fmt::format("its content hash is {}, but the scene was baked with {}: bake the scene again", found.value(), hash)};
 }
 
 }  // namespace overcast

@@ -41,4 +41,7 @@ Result<std::string> fileHash(const std::filesystem::path& path);
 /// leaves the folder (DESIGN, PITFALLS "Formats").
 Result<std::filesystem::path> resolveInside(const std::filesystem::path& folder, std::string_view relative);
 
+/// The file `relative` (a path, not percent-encoded) inside `folder`, when its contentHash is this; an Error otherwise, and as those above.
+Result<std::filesystem::path> checkedFile(const std::filesystem::path& folder, std::string_view relative, const std::string& hash);
+
 }  // namespace overcast

@@ -29,6 +29,7 @@ struct VertexRange {
 struct VertexAccessors {
   int position = -1;
   int normal = -1;
+  int texCoord = -1;
   int aperture = -1;
   std::array<int, 3> transfer = {-1, -1, -1};
 
@@ -40,11 +41,13 @@ using SharedVertices = std::map<VertexAccessors, VertexRange>;
 
 struct MeshUnderway {
   Mesh mesh;
+  int texCoord = 0;  ///< set of texture coordinates that is read
   SharedVertices shared;
   std::vector<bool> finite;     ///< one per position
   VertexVisibility visibility;  ///< zeros where primitives have none
   // Of primitives with triangles:
   bool lacksNormals = false;
+  bool lacksCoordinates = false;
   bool lacksApertures = false;
   bool mixesPackings = false;
   bool lacksTransfer = false;
@@ -77,8 +80,13 @@ std::optional<ApertureBits> packingOf(const tinygltf::Model& model, int accessor
   return std::nullopt;
 }
 
-VertexAccessors accessorsOf(const tinygltf::Model& model, const tinygltf::Primitive& primitive, Tally& tally) {
-  VertexAccessors accessors{attribute(primitive, "POSITION"), attribute(primitive, "NORMAL"), attribute(primitive, "_APERTURE"), {}};
+VertexAccessors accessorsOf(const tinygltf::Model& model, const tinygltf::Primitive& primitive, int texCoord, Tally& tally) {
+  VertexAccessors accessors{attribute(primitive, "POSITION"),
+                            attribute(primitive, "NORMAL"),
+                            attribute(primitive, fmt::format("TEXCOORD_{}", texCoord).c_str()),
+                            attribute(primitive, "_APERTURE"),
+                            {}};
+  if (!isAccessor(model, accessors.texCoord, TINYGLTF_TYPE_VEC2)) accessors.texCoord = -1;
   if (accessors.aperture >= 0 && !packingOf(model, accessors.aperture)) {
     accessors.aperture = -1;
     ++tally["attributes _APERTURE are not four unsigned bytes or shorts and were left out"];
@@ -148,6 +156,19 @@ Result<Done> addVisibility(const tinygltf::Model& model, const VertexAccessors& 
   return accessors.transfer[0] >= 0 ? addTransfer(model, accessors.transfer, range, visibility) : Done{};
 }
 
+/// Room for the texture coordinates of vertices that were just added, and those the primitive has.
+Result<Done> addCoordinates(const tinygltf::Model& model, int accessor, const VertexRange& range, Mesh& mesh) {
+  mesh.textureCoordinates.resize(mesh.positions.size(), glm::vec2(0.0f));
+  if (accessor < 0) return Done{};
+  const auto read = readNumbers(model, accessor, 2);
+  if (!read) return read.error();
+  const std::vector<double>& numbers = read.value();
+  if (numbers.size() != std::size_t{2} * range.count)
+    return Error{"", "TEXCOORD", fmt::format("has {} elements where POSITION has {}", numbers.size() / 2, range.count)};
+  for (std::size_t i = 0; i < range.count; ++i) mesh.textureCoordinates[range.first + i] = {numbers[2 * i], numbers[2 * i + 1]};
+  return Done{};
+}
+
 Result<VertexRange> addVertices(const tinygltf::Model& model, const VertexAccessors& accessors, MeshUnderway& underway, Tally& tally) {
   const auto known = underway.shared.find(accessors);
   if (known != underway.shared.end()) return known->second;
@@ -173,6 +194,8 @@ Result<VertexRange> addVertices(const tinygltf::Model& model, const VertexAccess
     if (n.size() != p.size()) return Error{"", "NORMAL", fmt::format("has {} elements where POSITION has {}", n.size() / 3, count)};
     for (std::size_t i = 0; i < count; ++i) mesh.normals[range.first + i] = unitOrZero({n[3 * i], n[3 * i + 1], n[3 * i + 2]});
   }
+  auto mapped = addCoordinates(model, accessors.texCoord, range, mesh);
+  if (!mapped) return mapped.error();
   auto added = addVisibility(model, accessors, range, underway.visibility);
   if (!added) return added.error();
   underway.shared.emplace(accessors, range);
@@ -201,7 +224,7 @@ Result<Done> addPrimitive(const tinygltf::Model& model, const tinygltf::Primitiv
     ++tally["primitives of points or lines were left out"];
     return Done{};
   }
-  const VertexAccessors accessors = accessorsOf(model, primitive, tally);
+  const VertexAccessors accessors = accessorsOf(model, primitive, underway.texCoord, tally);
   if (accessors.position < 0) {
     ++tally["primitives without positions were left out"];
     return Done{};
@@ -234,11 +257,20 @@ Result<Done> addPrimitive(const tinygltf::Model& model, const tinygltf::Primitiv
   part.triangleCount = static_cast<std::uint32_t>(mesh.triangles.size()) - part.firstTriangle;
   if (part.triangleCount == 0) return Done{};
   underway.lacksNormals |= accessors.normal < 0;
+  underway.lacksCoordinates |= accessors.texCoord < 0;
   underway.lacksApertures |= accessors.aperture < 0;
   underway.mixesPackings |= accessors.aperture >= 0 && packingOf(model, accessors.aperture) != underway.visibility.bits;
   underway.lacksTransfer |= accessors.transfer[0] < 0;
   mesh.parts.push_back(part);
   return Done{};
+}
+
+/// Texture coordinates are kept where all primitives of a mesh have them.
+void finishCoordinates(MeshUnderway& underway, Tally& tally) {
+  std::vector<glm::vec2>& coordinates = underway.mesh.textureCoordinates;
+  const bool finite = std::all_of(coordinates.begin(), coordinates.end(), [](const glm::vec2& c) { return isFinite(glm::dvec3(c, 0.0)); });
+  if (!finite) ++tally["meshes have texture coordinates that are not finite numbers; these were left out"];
+  if (!finite || underway.lacksCoordinates || underway.mesh.parts.empty()) coordinates.clear();
 }
 
 /// Visibility is kept where all primitives of a mesh have it, in the same packing, and normals beside it.
@@ -263,10 +295,11 @@ void finishVisibility(MeshUnderway& underway, Tally& tally) {
 
 }  // namespace
 
-Result<Mesh> readGltfMesh(const tinygltf::Model& model, int mesh, Tally& tally) {
+Result<Mesh> readGltfMesh(const tinygltf::Model& model, int mesh, int texCoord, Tally& tally) {
   const tinygltf::Mesh& source = model.meshes[static_cast<std::size_t>(mesh)];
   MeshUnderway underway;
   underway.mesh.name = source.name;
+  underway.texCoord = texCoord;
   for (std::size_t i = 0; i < source.primitives.size(); ++i) {
     auto added = addPrimitive(model, source.primitives[i], underway, tally);
     if (added) continue;
@@ -279,6 +312,7 @@ Result<Mesh> readGltfMesh(const tinygltf::Model& model, int mesh, Tally& tally) 
     underway.mesh.normals.clear();
   }
   if (underway.mesh.parts.empty()) underway.mesh.normals.clear();
+  finishCoordinates(underway, tally);
   finishVisibility(underway, tally);
   return std::move(underway.mesh);
 }

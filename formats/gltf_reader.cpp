@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 #include <optional>
+#include <utility>
 
 #include <tiny_gltf.h>
 #include <nlohmann/json.hpp>
@@ -147,6 +148,22 @@ Result<Node> readNode(const tinygltf::Model& model, int index, const std::vector
   return node;
 }
 
+Result<Mesh> readMesh(const tinygltf::Model& model, int index, Tally& tally) {
+  std::optional<ApertureLink> link;
+  if (const auto text = extensionText(model.meshes[at(index)].extensions_json_string, "OVERCAST_aperture")) {
+    auto parsed = parseAperture(*text, fmt::format("meshes/{}/extensions/OVERCAST_aperture", index));
+    if (!parsed) return parsed.error();
+    link = std::move(parsed).value();
+  }
+  auto mesh = readGltfMesh(model, index, link ? std::exchange(link->texCoord, 0) : 0, tally);
+  if (!mesh || !link) return mesh;
+  if (mesh.value().textureCoordinates.empty() || mesh.value().normals.empty())
+    ++tally["meshes have an aperture map, but no texture coordinates or normals on all primitives; it was left out"];
+  else
+    mesh.value().apertureMap = std::move(link);
+  return mesh;
+}
+
 /// Reads the meshes that nodes use, drops those without triangles, and points the nodes at what is left.
 Result<Done> readMeshes(const tinygltf::Model& model, Scene& scene, Tally& tally) {
   std::vector<bool> used(model.meshes.size(), false);
@@ -155,7 +172,7 @@ Result<Done> readMeshes(const tinygltf::Model& model, Scene& scene, Tally& tally
   std::vector<int> newIndex(model.meshes.size(), -1);
   for (std::size_t i = 0; i < model.meshes.size(); ++i) {
     if (!used[i]) continue;
-    auto mesh = readGltfMesh(model, static_cast<int>(i), tally);
+    auto mesh = readMesh(model, static_cast<int>(i), tally);
     if (!mesh) return mesh.error();
     if (mesh.value().triangles.empty()) {
       ++tally["meshes without triangles were left out"];

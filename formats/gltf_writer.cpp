@@ -135,6 +135,11 @@ Result<Json> meshJson(Mesh mesh, std::size_t index, Binary& binary) {
   const std::size_t position = addFloats(binary, *positions, 3, kArrayBuffer, true);
   const std::size_t normal = addFloats(binary, normals, 3, kArrayBuffer, false);
   Json attributes = {{"NORMAL", normal}, {"POSITION", position}};
+  if (!mesh.textureCoordinates.empty()) {
+    std::vector<float> coordinates;
+    for (const glm::vec2& c : mesh.textureCoordinates) coordinates.insert(coordinates.end(), {c.x, c.y});
+    attributes["TEXCOORD_0"] = addFloats(binary, coordinates, 2, kArrayBuffer, false);
+  }
   if (mesh.visibility) addVisibility(*mesh.visibility, attributes, binary);
   const std::size_t view = addView(binary, indices, kElementArrayBuffer);
   Json primitives = Json::array();
@@ -148,6 +153,11 @@ Result<Json> meshJson(Mesh mesh, std::size_t index, Binary& binary) {
   }
   Json json = named(mesh.name);
   json["primitives"] = std::move(primitives);
+  if (!mesh.apertureMap) return json;
+  const std::string text = apertureJson(*mesh.apertureMap);
+  const auto readable = parseAperture(text, fmt::format("meshes/{}/extensions/OVERCAST_aperture", index));
+  if (!readable) return readable.error();
+  json["extensions"]["OVERCAST_aperture"] = Json::parse(text);
   return json;
 }
 
@@ -370,6 +380,8 @@ Result<std::vector<std::filesystem::path>> writeScene(const std::filesystem::pat
   if (path.extension() != ".gltf") return Error{path.string(), "", "scenes are written as .gltf"};
   Json document = {{"asset", {{"version", "2.0"}, {"generator", "Overcast"}}}};
   Json used = Json::array();
+  if (std::any_of(scene.meshes.begin(), scene.meshes.end(), [](const Mesh& mesh) { return mesh.apertureMap && !mesh.triangles.empty(); }))
+    used.push_back("OVERCAST_aperture");
   if (scene.lighting) used.push_back("OVERCAST_lighting");
   if (std::any_of(scene.nodes.begin(), scene.nodes.end(), [](const Node& node) { return node.occluder.has_value(); }))
     used.push_back("OVERCAST_occluder");

@@ -106,6 +106,7 @@ Result<MipmappedImage> readMipmaps(const std::filesystem::path& path) {
     const auto image = parseMipmaps(bytes.value(), file);
     if (!image) return image.error();
     std::vector<std::byte> packed;
+    packed.reserve(2 * image.value().levels.front().pixels.size() * sizeof(float) + 4096);
     pack(packed, static_cast<std::uint32_t>(image.value().levels.size()));
     for (const Image& level : image.value().levels) packImage(packed, level);
     pack(packed, static_cast<char>(image.value().cube));

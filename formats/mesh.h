@@ -7,9 +7,11 @@
 #include <string>
 #include <vector>
 
+#include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
 
 #include "formats/aperture.h"
+#include "formats/aperture_link.h"
 #include "formats/result.h"
 #include "formats/sandbox.h"
 
@@ -37,8 +39,9 @@ struct MeshPart {
 
 /// Triangles over shared vertices, in the units and axes of the file. Positions are double: meshes far from the origin keep their detail.
 /// Invariants after any reader of `formats`: positions finite, every index below positions.size(), normals empty or one per
-/// position (unit length or zero), parts cover all triangles in order without gaps, visibility only beside normals and whole
-/// (formats/aperture.h, brokenVisibility).
+/// position (unit length or zero), texture coordinates empty or one per position and finite, parts cover all triangles in order without
+/// gaps, visibility only beside normals and whole (formats/aperture.h, brokenVisibility), an aperture map only beside normals and texture
+/// coordinates.
 /// Not promised: closed, manifold, oriented, free of degenerate or duplicate triangles. `bake/repair.h` looks at that.
 struct Mesh {
   std::string name;
@@ -47,6 +50,8 @@ struct Mesh {
   std::vector<glm::uvec3> triangles;
   std::vector<MeshPart> parts;
   std::optional<VertexVisibility> visibility = std::nullopt;  ///< of baked meshes
+  std::vector<glm::vec2> textureCoordinates = {};             ///< v down, as in glTF
+  std::optional<ApertureLink> apertureMap = std::nullopt;     ///< of baked meshes
 };
 
 Box bounds(const Mesh& mesh);  ///< of the vertices that triangles use; empty when there is no triangle

@@ -139,6 +139,7 @@ Mesh withNormals(Mesh mesh) {
     if (!staysInPlace) {
       mesh.positions.push_back(glm::dvec3(mesh.positions[first.vertex]));
       mesh.normals.push_back(kUp);
+      if (!mesh.textureCoordinates.empty()) mesh.textureCoordinates.push_back(glm::vec2(mesh.textureCoordinates[first.vertex]));
     }
     const double length = glm::length(sums[first.group]);
     mesh.normals[index] = glm::vec3(length > 0.0 ? sums[first.group] / length : faces[first.corner / 3]);

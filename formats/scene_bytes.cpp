@@ -12,8 +12,13 @@ void fields(Archive& archive, VertexVisibility& visibility) {
 }
 
 template <class Archive>
+void fields(Archive& archive, ApertureLink& link) {
+  archive(link.uri, link.contentHash, link.bytes, link.texCoord, link.radiusError, link.ambientError, link.directionError);
+}
+
+template <class Archive>
 void fields(Archive& archive, Mesh& mesh) {
-  archive(mesh.name, mesh.positions, mesh.normals, mesh.triangles, mesh.parts, mesh.visibility);
+  archive(mesh.name, mesh.positions, mesh.normals, mesh.triangles, mesh.parts, mesh.visibility, mesh.textureCoordinates, mesh.apertureMap);
 }
 
 template <class Archive>

@@ -22,6 +22,12 @@ std::string brokenMesh(const Mesh& mesh, std::size_t materials) {
   if (mesh.visibility && mesh.normals.empty()) return "has visibility without normals";
   if (mesh.visibility)
     if (std::string broken = brokenVisibility(*mesh.visibility, mesh.positions.size()); !broken.empty()) return broken;
+  if (!mesh.textureCoordinates.empty() && mesh.textureCoordinates.size() != mesh.positions.size())
+    return "has another number of texture coordinates than positions";
+  for (const glm::vec2& c : mesh.textureCoordinates)
+    if (!isFinite(glm::dvec3(c, 0.0))) return "has a texture coordinate that is not finite";
+  if (mesh.apertureMap && (mesh.normals.empty() || mesh.textureCoordinates.empty()))
+    return "has an aperture map without normals or texture coordinates";
   for (const glm::uvec3& t : mesh.triangles)
     if (t.x >= mesh.positions.size() || t.y >= mesh.positions.size() || t.z >= mesh.positions.size()) return "has an index out of range";
   std::size_t next = 0;

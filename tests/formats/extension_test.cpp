@@ -56,6 +56,15 @@ TEST(Extension, ReadsBackBitForBit) {
     RC_ASSERT(again.error.skyRmse == made.error.skyRmse && again.error.method == made.error.method);
     RC_ASSERT(again.source == made.source && again.settingsHash == made.settingsHash);
   }));
+  EXPECT_TRUE(rc::check("aperture", [](std::uint64_t seed) {
+    const ApertureLink made = test::randomApertureLink(seed);
+    const auto read = parseAperture(apertureJson(made), "x");
+    RC_ASSERT(read.ok());
+    const ApertureLink& again = read.value();
+    RC_ASSERT(again.uri == made.uri && again.contentHash == made.contentHash && again.bytes == made.bytes);
+    RC_ASSERT(again.texCoord == made.texCoord && again.radiusError == made.radiusError);
+    RC_ASSERT(again.ambientError == made.ambientError && again.directionError == made.directionError);
+  }));
   EXPECT_TRUE(rc::check("lighting", [](std::uint64_t seed) {
     const Lighting made = test::randomLighting(seed);
     auto read = parseLighting(lightingJson(made), "x");
@@ -104,9 +113,11 @@ TEST(Extension, FloatsAreShort) {
 TEST(Extension, WhatIsWrittenFollowsTheSchema) {
   const Json occluder = schema("OVERCAST_occluder");
   const Json lighting = schema("OVERCAST_lighting");
+  const Json aperture = schema("OVERCAST_aperture");
   for (std::uint64_t seed = 0; seed < 50; ++seed) {
     EXPECT_EQ(violation(occluder, parsed(occluderJson(test::randomOccluder(seed))), occluder), "");
     EXPECT_EQ(violation(lighting, parsed(lightingJson(test::randomLighting(seed))), lighting), "");
+    EXPECT_EQ(violation(aperture, parsed(apertureJson(test::randomApertureLink(seed))), aperture), "");
   }
 }
 
@@ -148,6 +159,8 @@ TEST(Extension, TheParserRefusesWhatTheSchemaRefusesAndNamesTheField) {
   // Among these are occluders of all representations.
   for (std::uint64_t seed = 0; seed < 12; ++seed)
     expectAgreement(schema("OVERCAST_occluder"), parsed(occluderJson(test::randomOccluder(seed))), parseOccluder);
+  for (std::uint64_t seed = 0; seed < 4; ++seed)
+    expectAgreement(schema("OVERCAST_aperture"), parsed(apertureJson(test::randomApertureLink(seed))), parseAperture);
 }
 
 TEST(Extension, TheParserRefusesWhatASchemaCannotSay) {

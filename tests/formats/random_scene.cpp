@@ -57,6 +57,15 @@ VertexVisibility visibility(Dice& dice, std::size_t vertices) {
   return asStored(std::move(made));
 }
 
+ApertureLink apertureLink(Dice& dice) {
+  ApertureLink link{"maps/" + dice.name() + ".exr", hash(dice), dice.engine(), 0, -1.0, -1.0, -1.0};
+  if (dice.chance(0.5)) return link;
+  link.radiusError = dice.real(0.0, 1.0);
+  link.ambientError = dice.real(0.0, 1.0);
+  link.directionError = dice.real(0.0, 1.0);
+  return link;
+}
+
 Mesh mesh(Dice& dice, int materials) {
   Mesh made;
   made.name = dice.name();
@@ -73,6 +82,9 @@ Mesh mesh(Dice& dice, int materials) {
     for (int i = 0; i < count; ++i)
       made.triangles.push_back({dice.integer(0, vertices - 1), dice.integer(0, vertices - 1), dice.integer(0, vertices - 1)});
   }
+  if (dice.chance(0.5)) return made;
+  for (int i = 0; i < vertices; ++i) made.textureCoordinates.emplace_back(dice.single(-2.0, 2.0), dice.single(-2.0, 2.0));
+  if (dice.chance(0.5)) made.apertureMap = apertureLink(dice);
   return made;
 }
 
@@ -167,6 +179,11 @@ Lighting lighting(Dice& dice) {
 }
 
 }  // namespace
+
+ApertureLink randomApertureLink(std::uint64_t seed) {
+  Dice dice{std::mt19937_64(seed)};
+  return apertureLink(dice);
+}
 
 Occluder randomOccluder(std::uint64_t seed) {
   Dice dice{std::mt19937_64(seed)};

@@ -10,6 +10,7 @@ namespace overcast::test {
 
 Scene randomScene(std::uint64_t seed);
 Occluder randomOccluder(std::uint64_t seed);
+ApertureLink randomApertureLink(std::uint64_t seed);
 Lighting randomLighting(std::uint64_t seed);
 
 }  // namespace overcast::test

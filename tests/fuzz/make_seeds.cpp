@@ -7,6 +7,7 @@
 
 #include <glm/vec2.hpp>
 
+#include "formats/aperture_map.h"
 #include "formats/image.h"
 #include "formats/image_mipmaps.h"
 #include "formats/volume.h"
@@ -60,6 +61,14 @@ bool writeExrs(const fs::path& folder) {
          reported(writeMipmaps(folder / "mipmaps.exr", smallMipmaps()));
 }
 
+bool writeApertureMaps(const fs::path& folder) {
+  ApertureMap map{{6, 4}, {{}}, 2};
+  for (int i = 0; i < 24; ++i)
+    map.levels[0].push_back({{{0.6f, 0.0f, 0.8f}, 0.06f * static_cast<float>(i)}, 0.5f, i % 5 == 0 ? 0.0f : 1.0f});
+  buildLevels(map);
+  return reported(writeApertureMap(folder / "map.exr", map));
+}
+
 bool writePngs(const fs::path& folder) {
   return reported(writePng(folder / "rgb.png", smallImage(3, 2, {"R", "G", "B"}))) &&
          reported(writePng(folder / "rgba.png", smallImage(5, 1, {"R", "G", "B", "A"})));
@@ -73,5 +82,8 @@ int main(int count, char** arguments) {
     return 2;
   }
   const fs::path corpus = arguments[1];
-  return writeVolumes(corpus / "vdb") && writeExrs(corpus / "exr") && writePngs(corpus / "png") ? 0 : 1;
+  return writeVolumes(corpus / "vdb") && writeExrs(corpus / "exr") && writePngs(corpus / "png") &&
+                 writeApertureMaps(corpus / "aperture_map")
+             ? 0
+             : 1;
 }
