@@ -46,6 +46,7 @@ std::vector<fs::path> filesOf(const fs::path& input) {
 /// Hash of all that decides what the job makes; nothing when an input cannot be read, which reading it in earnest will explain.
 std::optional<std::string> keyOf(const BakeJob& job, const std::vector<std::vector<fs::path>>& files) {
   std::string text = fmt::format("scene {} {}", programHash(), job.name);
+  text += fmt::format("\n{}", settingsText(job.terrain));
   if (job.apertures) text += fmt::format("\n{}", settingsText(*job.apertures));
   for (std::size_t i = 0; i < job.inputs.size(); ++i) {
     text += fmt::format("\n{}\n{}", job.inputs[i].filename().string(), settingsText(job.settings[i]));
@@ -163,7 +164,7 @@ class Runner {
     std::vector<std::optional<Result<BakeInput>>> read(job_.inputs.size());
     tbb::parallel_for(std::size_t{0}, read.size(), [&](std::size_t i) {
       held[i] = std::make_unique<MemoryGate::Share>(gate, fileMemory(job_.inputs[i], job_.settings[i]).read);
-      if (!stopped()) read[i].emplace(readBakeInput(job_.inputs[i]));
+      if (!stopped()) read[i].emplace(readBakeInput(job_.inputs[i], job_.terrain));
       std::uint64_t kept = 0;
       if (read[i] && read[i]->ok())
         for (const Mesh& mesh : read[i]->value().scene.meshes) kept += meshMemory(mesh);

@@ -21,6 +21,7 @@ struct BakeJob {
   std::filesystem::path folder;
   std::string name;  ///< of the scene, without .gltf
   std::optional<SceneApertureSettings> apertures;
+  TerrainOptions terrain = {};
 };
 
 enum class JobOutcome {

@@ -10,6 +10,7 @@
 #include "bake/command.h"
 #include "bake/config.h"
 #include "bake/inputs.h"
+#include "bake/terrain_options.h"
 
 namespace overcast {
 namespace {
@@ -115,9 +116,12 @@ bool overwritesInput(const BakeJob& job) {
   return false;
 }
 
-/// The settings of one input.
+/// The settings of one input. A terrain becomes a field of heights, unless something else is asked for.
 Result<BakeSettings> settle(const Config& config, const SettingsLayer& top, const InputFile& input) {
-  return bakeSettings(overlaid(settingsFor(config, input.name), top));
+  SettingsLayer layer = overlaid(settingsFor(config, input.name), top);
+  if (isTerrainFile(input.path) && !layer.representation && !layer.resolution && !layer.voxelSize && !layer.bits)
+    layer.representation = name(Representation::heightfield);
+  return bakeSettings(layer);
 }
 
 /// One job of all inputs, or one for each of them; without settings.
@@ -146,7 +150,9 @@ Result<std::vector<BakeJob>> jobsOf(const BakeOptions& options, std::vector<Inpu
 void addBakeOptions(CLI::App& app, BakeOptions& options) {
   app.add_option(
          "INPUT", options.inputs,
-         "meshes (.obj .ply .stl .off) and scenes (.gltf .glb), side by side in one scene; folders of them; @FILE: a list, one a line")
+         "meshes (.obj .ply .stl .off) and scenes (.gltf .glb), side by side in one scene; folders of them; @FILE: a list, one a line. "
+         "Outside "
+         "of folders also terrains, y up, north -z: heights as 16-bit PNG or EXR of one channel, ESRI grid (.asc .dem), USGS DEM (.dem)")
       ->required();
   app.add_option("-o,--output", options.folder, "folder for the baked scene; made when missing")
       ->required()
@@ -154,6 +160,7 @@ void addBakeOptions(CLI::App& app, BakeOptions& options) {
   app.add_option("--name", options.name, "file name of the scene without .gltf [a single glTF keeps its name, else \"scene\"]");
   addSettings(app, options);
   addApertureOptions(app, options.apertures);
+  addTerrainOptions(app, options.terrain);
   addScale(app, options);
   app.add_option("--threads", options.threads, "threads to use; 0: all. The result is the same for any number")
       ->check(CLI::Range(0, 4096))
@@ -186,7 +193,10 @@ std::variant<BakePlan, PlanError> planBake(const BakeOptions& options) {
   auto jobs = jobsOf(options, files);
   if (!jobs) return PlanError{PlanFault::usage, jobs.error()};
   plan.jobs = std::move(jobs).value();
-  for (BakeJob& job : plan.jobs) job.apertures = apertures.value();
+  for (BakeJob& job : plan.jobs) {
+    job.apertures = apertures.value();
+    job.terrain = options.terrain;
+  }
   for (std::size_t i = 0; i < files.size(); ++i) {
     auto settings = settle(config, top, files[i]);
     if (!settings) return wrongUsage(settings.error().reason);

@@ -12,6 +12,7 @@
 #include "bake/cache.h"
 #include "bake/choice_options.h"
 #include "bake/settings_layer.h"
+#include "formats/terrain.h"
 
 namespace overcast {
 
@@ -26,6 +27,7 @@ struct BakeOptions {
   SettingsLayer settings;  ///< without what `choice` says
   ChoiceOptions choice;
   ApertureOptions apertures;
+  TerrainOptions terrain;
   std::uint64_t cacheLimit = kDefaultCacheLimit;
   std::uint64_t memory = 0;  ///< 0: three quarters of what is available
   int threads = 0;

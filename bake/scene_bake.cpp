@@ -10,6 +10,7 @@
 #include <tbb/task_arena.h>
 
 #include "bake/bake_record.h"
+#include "bake/terrain_mesh.h"
 #include "formats/files.h"
 #include "formats/sky.h"
 
@@ -131,7 +132,7 @@ Result<Done> obtainMesh(MeshBake& job, const Mesh& mesh, const BakeSettings& set
 
 }  // namespace
 
-Result<BakeInput> readBakeInput(const fs::path& path) {
+Result<BakeInput> readBakeInput(const fs::path& path, const TerrainOptions& terrain) {
   std::error_code code;
   if (fs::is_directory(path, code)) return Error{path.string(), "", "is a folder; name the files in it"};
   BakeInput input;
@@ -153,8 +154,14 @@ Result<BakeInput> readBakeInput(const fs::path& path) {
       if (const Result<SkyHarmonics> sky = readSky(image.value()); !sky) return sky.error();
       input.skyImage = image.value();
     }
+  } else if (isTerrainFile(path)) {
+    auto heights = readTerrain(path, terrain);
+    if (!heights) return heights.error();
+    auto scene = sceneFromTerrain(std::move(heights).value(), path.stem().string());
+    if (!scene) return Error{path.string(), "", scene.error().reason};
+    input.scene = std::move(scene).value();
   } else {
-    return Error{path.string(), "", "is neither a mesh (.obj .ply .stl .off) nor a scene (.gltf .glb)"};
+    return Error{path.string(), "", "is no mesh (.obj .ply .stl .off), scene (.gltf .glb) or height file (.png .exr .asc .dem)"};
   }
   if (dropEmptyMeshes(input.scene) == 0) return Error{path.string(), "", "holds no mesh with an extent"};
   return input;
@@ -175,7 +182,7 @@ SceneBake joinInputs(std::vector<BakeInput> inputs) {
       MeshBake job;
       job.mesh = first + static_cast<int>(m);
       job.input = static_cast<int>(bake.inputs.size());
-      job.source = isMeshFile(input.path) || mesh.name.empty() ? file : file + ": " + mesh.name;
+      job.source = isMeshFile(input.path) || isTerrainFile(input.path) || mesh.name.empty() ? file : file + ": " + mesh.name;
       job.hash = meshHash(mesh, input.settings);
       job.faces = mesh.triangles.size();
       const auto [place, fresh] = known.emplace(job.hash, static_cast<int>(bake.meshes.size()));

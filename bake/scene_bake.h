@@ -14,6 +14,7 @@
 #include "bake/progress.h"
 #include "formats/mesh.h"
 #include "formats/scene.h"
+#include "formats/terrain.h"
 
 namespace overcast {
 
@@ -26,10 +27,10 @@ struct BakeInput {
   std::filesystem::path skyImage;        ///< the file of its lighting's sky; empty: none
 };
 
-/// Reads a mesh file (a scene of one node, formats/scene.h) or a glTF scene. An Error that names the file when it is neither, cannot be
-/// read, holds no triangle, or has a sky image that is none. Meshes without a triangle or without extent are taken off their nodes with a
-/// note in scene.notes.
-Result<BakeInput> readBakeInput(const std::filesystem::path& path);
+/// Reads a mesh file (a scene of one node, formats/scene.h), a height file (bake/terrain_mesh.h) or a glTF scene. An Error that names the
+/// file when it is none of them, cannot be read, holds no triangle, or has a sky image that is none. Meshes without a triangle or without
+/// extent are taken off their nodes with a note in scene.notes.
+Result<BakeInput> readBakeInput(const std::filesystem::path& path, const TerrainOptions& terrain = {});
 
 /// All inputs side by side, and their bakes.
 struct SceneBake {

@@ -11,6 +11,7 @@
 
 #include "formats/extension_json.h"
 #include "formats/gltf_document.h"
+#include "formats/gltf_levels.h"
 
 namespace overcast {
 namespace {
@@ -177,6 +178,10 @@ Result<Done> readMeshes(const tinygltf::Model& model, Scene& scene, Tally& tally
     if (mesh.value().triangles.empty()) {
       ++tally["meshes without triangles were left out"];
       continue;
+    }
+    if (const auto text = extensionText(model.meshes[i].extensions_json_string, "OVERCAST_levels")) {
+      auto levels = readGltfLevels(model, *text, fmt::format("meshes/{}/extensions/OVERCAST_levels", i), mesh.value());
+      if (!levels) return levels.error();
     }
     newIndex[i] = static_cast<int>(scene.meshes.size());
     scene.meshes.push_back(std::move(mesh).value());

@@ -11,6 +11,7 @@
 
 #include "formats/extension_json.h"
 #include "formats/files.h"
+#include "formats/gltf_levels.h"
 #include "formats/normals.h"
 #include "formats/scene.h"
 #include "formats/scene_check.h"
@@ -120,6 +121,32 @@ void addVisibility(const VertexVisibility& visibility, Json& attributes, Binary&
   }
 }
 
+/// The extension OVERCAST_levels.
+Json levelsJson(const MeshLevels& levels, Binary& binary) {
+  const auto addIntegers = [&](const std::vector<std::uint32_t>& values, int target) {
+    return addAccessor(binary, addView(binary, values, target), 0, kUnsignedInt, values.size(), "SCALAR");
+  };
+  std::vector<std::uint32_t> indices, counts, own, coarser;
+  for (const glm::uvec3& t : levels.triangles) indices.insert(indices.end(), {t.x, t.y, t.z});
+  for (const LevelCluster& cluster : levels.clusters) {
+    counts.push_back(cluster.triangleCount);
+    own.push_back(cluster.own);
+    coarser.push_back(cluster.coarser);
+  }
+  std::vector<float> balls, errors;
+  for (const LevelGroup& group : levels.groups) {
+    balls.insert(balls.end(), {group.centre.x, group.centre.y, group.centre.z, group.radius});
+    errors.push_back(group.error);
+  }
+  return {{"version", kLevelsVersion},
+          {"indices", addIntegers(indices, kElementArrayBuffer)},
+          {"counts", addIntegers(counts, 0)},
+          {"own", addIntegers(own, 0)},
+          {"coarser", addIntegers(coarser, 0)},
+          {"balls", addFloats(binary, balls, 4, 0, false)},
+          {"errors", addFloats(binary, errors, 1, 0, false)}};
+}
+
 Result<Json> meshJson(Mesh mesh, std::size_t index, Binary& binary) {
   if (mesh.normals.empty()) mesh = withNormals(std::move(mesh));
   mendNormals(mesh);
@@ -153,6 +180,7 @@ Result<Json> meshJson(Mesh mesh, std::size_t index, Binary& binary) {
   }
   Json json = named(mesh.name);
   json["primitives"] = std::move(primitives);
+  if (mesh.levels) json["extensions"]["OVERCAST_levels"] = levelsJson(*mesh.levels, binary);
   if (!mesh.apertureMap) return json;
   const std::string text = apertureJson(*mesh.apertureMap);
   const auto readable = parseAperture(text, fmt::format("meshes/{}/extensions/OVERCAST_aperture", index));
@@ -382,6 +410,8 @@ Result<std::vector<std::filesystem::path>> writeScene(const std::filesystem::pat
   Json used = Json::array();
   if (std::any_of(scene.meshes.begin(), scene.meshes.end(), [](const Mesh& mesh) { return mesh.apertureMap && !mesh.triangles.empty(); }))
     used.push_back("OVERCAST_aperture");
+  if (std::any_of(scene.meshes.begin(), scene.meshes.end(), [](const Mesh& mesh) { return mesh.levels && !mesh.triangles.empty(); }))
+    used.push_back("OVERCAST_levels");
   if (scene.lighting) used.push_back("OVERCAST_lighting");
   if (std::any_of(scene.nodes.begin(), scene.nodes.end(), [](const Node& node) { return node.occluder.has_value(); }))
     used.push_back("OVERCAST_occluder");

@@ -14,6 +14,7 @@
 #include "formats/aperture_link.h"
 #include "formats/result.h"
 #include "formats/sandbox.h"
+#include "formats/terrain_levels.h"
 
 namespace overcast {
 
@@ -41,7 +42,7 @@ struct MeshPart {
 /// Invariants after any reader of `formats`: positions finite, every index below positions.size(), normals empty or one per
 /// position (unit length or zero), texture coordinates empty or one per position and finite, parts cover all triangles in order without
 /// gaps, visibility only beside normals and whole (formats/aperture.h, brokenVisibility), an aperture map only beside normals and texture
-/// coordinates.
+/// coordinates, levels whole (formats/terrain_levels.h, brokenLevels).
 /// Not promised: closed, manifold, oriented, free of degenerate or duplicate triangles. `bake/repair.h` looks at that.
 struct Mesh {
   std::string name;
@@ -52,6 +53,7 @@ struct Mesh {
   std::optional<VertexVisibility> visibility = std::nullopt;  ///< of baked meshes
   std::vector<glm::vec2> textureCoordinates = {};             ///< v down, as in glTF
   std::optional<ApertureLink> apertureMap = std::nullopt;     ///< of baked meshes
+  std::optional<MeshLevels> levels = std::nullopt;            ///< of terrains: coarser triangles over the same vertices
 };
 
 Box bounds(const Mesh& mesh);  ///< of the vertices that triangles use; empty when there is no triangle

@@ -17,8 +17,14 @@ void fields(Archive& archive, ApertureLink& link) {
 }
 
 template <class Archive>
+void fields(Archive& archive, MeshLevels& levels) {
+  archive(levels.groups, levels.clusters, levels.triangles);
+}
+
+template <class Archive>
 void fields(Archive& archive, Mesh& mesh) {
-  archive(mesh.name, mesh.positions, mesh.normals, mesh.triangles, mesh.parts, mesh.visibility, mesh.textureCoordinates, mesh.apertureMap);
+  archive(mesh.name, mesh.positions, mesh.normals, mesh.triangles, mesh.parts, mesh.visibility, mesh.textureCoordinates, mesh.apertureMap,
+          mesh.levels);
 }
 
 template <class Archive>

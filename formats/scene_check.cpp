@@ -28,6 +28,9 @@ std::string brokenMesh(const Mesh& mesh, std::size_t materials) {
     if (!isFinite(glm::dvec3(c, 0.0))) return "has a texture coordinate that is not finite";
   if (mesh.apertureMap && (mesh.normals.empty() || mesh.textureCoordinates.empty()))
     return "has an aperture map without normals or texture coordinates";
+  if (mesh.levels && mesh.parts.size() != 1) return "has levels but not one part";
+  if (mesh.levels)
+    if (std::string broken = brokenLevels(*mesh.levels, mesh.positions.size(), mesh.triangles.size()); !broken.empty()) return broken;
   for (const glm::uvec3& t : mesh.triangles)
     if (t.x >= mesh.positions.size() || t.y >= mesh.positions.size() || t.z >= mesh.positions.size()) return "has an index out of range";
   std::size_t next = 0;

@@ -5,6 +5,7 @@
 
 #include "formats/view_options.h"
 #include "runtime/sky_light.h"
+#include "runtime/terrain_levels.h"
 
 namespace overcast {
 namespace {
@@ -14,6 +15,7 @@ constexpr int kMaxSupersample = 8;
 Result<Done> checkSettings(const FrameSettings& settings) {
   if (settings.supersample < 1 || settings.supersample > kMaxSupersample)
     return Error{"", "", fmt::format("supersampling of {} is outside 1 to {}", settings.supersample, kMaxSupersample)};
+  if (!(settings.levelError >= 0.0)) return Error{"", "", fmt::format("an error of levels of {} pixels is negative", settings.levelError)};
   const int most = kMaxImageSide / settings.supersample;
   if (settings.width < 1 || settings.height < 1 || settings.width > most || settings.height > most)
     return Error{"", "", fmt::format("a picture of {}x{} is outside 1x1 to {}x{}", settings.width, settings.height, most, most)};
@@ -204,13 +206,30 @@ Placed placeObjects(const FrameRenderer& renderer, const RuntimeScene& scene, co
   return placed;
 }
 
+/// The draws of an object that has levels.
+void drawLevels(const RuntimeScene& scene, std::size_t object, const glm::dmat4& node, const LevelView& view,
+                std::vector<GeometryDraw>& draws) {
+  const SceneMesh& mesh = scene.meshes[scene.objects[object].mesh];
+  for (const TriangleRun& run : chooseLevels(*mesh.levels, node, view)) {
+    GeometryDraw draw = mesh.parts.front();
+    draw.firstIndex += 3 * run.first;
+    draw.indexCount = 3 * run.count;
+    draw.firstInstance = static_cast<std::uint32_t>(object);
+    draw.instanceCount = 1;
+    draws.push_back(draw);
+  }
+}
+
 /// Objects are ordered by mesh, so each mesh's instances are one run.
-std::vector<GeometryDraw> drawsOf(const RuntimeScene& scene) {
+std::vector<GeometryDraw> drawsOf(const RuntimeScene& scene, const std::vector<glm::dmat4>& nodes, const LevelView& view) {
   std::vector<GeometryDraw> draws;
   for (std::size_t first = 0; first < scene.objects.size();) {
+    const SceneMesh& mesh = scene.meshes[scene.objects[first].mesh];
     std::size_t end = first;
     while (end < scene.objects.size() && scene.objects[end].mesh == scene.objects[first].mesh) ++end;
-    for (GeometryDraw draw : scene.meshes[scene.objects[first].mesh].parts) {
+    for (std::size_t i = first; i < end && mesh.levels; ++i) drawLevels(scene, i, nodes[scene.objects[i].node], view, draws);
+    for (GeometryDraw draw : mesh.parts) {
+      if (mesh.levels) break;
       draw.firstInstance = static_cast<std::uint32_t>(first);
       draw.instanceCount = static_cast<std::uint32_t>(end - first);
       draws.push_back(draw);
@@ -309,6 +328,7 @@ void recordFrame(VkCommandBuffer commands, FrameRenderer& renderer, const Runtim
   }
   const double aspect = static_cast<double>(renderer.settings.width) / renderer.settings.height;
   const glm::dmat4 clip = clipFromRelative(view, aspect);
+  const LevelView levels = levelView(view, aspect, renderer.settings.height, renderer.settings.levelError);
   FrameTargets& targets = renderer.targets;
   beginTimedFrame(commands, renderer.timer, 0);
   const Technique technique = renderer.settings.technique;
@@ -317,7 +337,8 @@ void recordFrame(VkCommandBuffer commands, FrameRenderer& renderer, const Runtim
   if (composited && technique == Technique::overcast && !targets.aperture)
     timed(commands, renderer, FramePass::pyramid, [&] { recordPyramid(commands, renderer.pyramid); });
   timed(commands, renderer, FramePass::geometry, [&] {
-    recordGeometry(commands, renderer.geometry, targets.images, placed.instances, drawsOf(scene), glm::mat4(clip), placed.transfers);
+    recordGeometry(commands, renderer.geometry, targets.images, placed.instances, drawsOf(scene, nodes, levels), glm::mat4(clip),
+                   placed.transfers);
   });
   recordLight(commands, renderer, lighting, nodes, {clip, eye(view)});
   const TonemapView shown{glm::mat4(glm::inverse(clip)), lighting.skyColour, lighting.up, lighting.exposure};

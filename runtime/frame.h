@@ -37,7 +37,8 @@ struct FrameSettings {
   ApertureMode apertureMode = ApertureMode::accurate;
   std::optional<Daylight> daylight;  ///< else sun and sky stay as the scene has them
   Technique technique = Technique::overcast;
-  float constant = 0.5f;  ///< sky visibility of Technique::constant, 0 to 1
+  float constant = 0.5f;    ///< sky visibility of Technique::constant, 0 to 1
+  double levelError = 1.0;  ///< pixels by which meshes with levels of detail may be off (runtime/terrain_levels.h)
 };
 
 /// The passes of a frame. With Technique::overcast they are indices into what renderFrame returns, which ends before `aperture` where the

@@ -97,7 +97,11 @@ void appendMesh(const Scene& scene, const Mesh& mesh, Geometry& geometry, SceneM
     draw.baseColour = part.material < 0 ? Material{}.baseColour : scene.materials[static_cast<std::size_t>(part.material)].baseColour;
     out.parts.push_back(draw);
   }
+  if (mesh.levels) out.levels = MeshLevels{mesh.levels->groups, mesh.levels->clusters, {}};
   for (const glm::uvec3& triangle : mesh.triangles) geometry.indices.insert(geometry.indices.end(), {triangle.x, triangle.y, triangle.z});
+  if (!mesh.levels) return;
+  for (const glm::uvec3& triangle : mesh.levels->triangles)
+    geometry.indices.insert(geometry.indices.end(), {triangle.x, triangle.y, triangle.z});
 }
 
 template <class T>
@@ -122,6 +126,7 @@ Result<Done> uploadMeshes(const Device& device, const fs::path& path, RuntimeSce
     vertexBytes += used[i] ? scene.scene.meshes[i].positions.size() * shared::kVertexFloats * sizeof(float) : 0;
     transferBytes += transfer ? scene.scene.meshes[i].positions.size() * sizeof(visibility->transfer[0]) : 0;
     triangles += used[i] ? scene.scene.meshes[i].triangles.size() : 0;
+    if (const auto& levels = scene.scene.meshes[i].levels; used[i] && levels) triangles += levels->triangles.size();
     geometry.withApertures |= transfer || (used[i] && visibility && !visibility->apertures.empty());
   }
   const std::uint64_t most = device.properties.limits.maxStorageBufferRange;

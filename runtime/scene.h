@@ -24,6 +24,8 @@ struct SceneMesh {
   std::vector<GeometryDraw> parts;  ///< indices, vertex offset and base colour; the instances are the frame's business
   bool transfer = false;            ///< its vertices have transfer
   std::int32_t transferShift = 0;   ///< from the index of a vertex to that of its transfer
+  /// Without triangles: these follow those of the only part. Chosen from for each frame (runtime/terrain_levels.h).
+  std::optional<MeshLevels> levels;
 };
 
 /// One node with a mesh and an occluder.

@@ -9,6 +9,8 @@
 
 #include "data/make/scenes.h"
 #include "data/make/shapes.h"
+#include "data/make/terrain.h"
+#include "formats/files.h"
 #include "formats/scene.h"
 
 namespace {
@@ -47,6 +49,7 @@ bool reported(const Result<T>& result) {
 int writeAll(const fs::path& folder) {
   for (const NamedScene& scene : kScenes)
     if (!reported(writeScene(folder / "scenes" / (std::string(scene.name) + ".gltf"), scene.make()))) return 1;
+  if (!reported(writeFileAtomically(folder / "scenes" / "terrain.asc", esriGrid(makeMountains())))) return 1;
   const Mesh meshes[] = {makeBox({1.0, 1.0, 1.0}), makeIcosphere(0.5, 3), makeTorus(0.35, 0.15, 48, 20),
                          makeTorusKnot(0.5, 0.1, 2, 3, 160, 12)};
   for (const Mesh& mesh : meshes)

@@ -39,6 +39,7 @@ FrameSettings frameSettings(const PlayerOptions& options) {
                          options.taps,  options.apertureMode, options.daylight};
   settings.technique = options.technique;
   settings.constant = options.constant;
+  settings.levelError = options.levelError;
   return settings;
 }
 

@@ -127,6 +127,9 @@ ParsedOptions parseOptions(int argc, char** argv) {
       ->needs(hourOption)
       ->capture_default_str();
   app.add_option("--sky", sky, "an EXR, latitude-longitude or cube, that is the sky (default: as the scene has it)");
+  app.add_option("--level-error", options.levelError, "pixels by which terrain may be off for fewer triangles; 0: all triangles")
+      ->check(CLI::Range(0.0, 1e3))
+      ->capture_default_str();
   app.add_option("--supersample", options.supersample, "samples per pixel along a side")->check(CLI::Range(1, 8))->capture_default_str();
   try {
     app.parse(argc, argv);

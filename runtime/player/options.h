@@ -44,6 +44,7 @@ struct PlayerOptions {
   Technique technique = Technique::overcast;
   float constant = 0.5f;      ///< of Technique::constant
   std::filesystem::path sky;  ///< an EXR in place of the scene's sky; empty: none
+  double levelError = 1.0;
 };
 
 /// What the command line says, or the exit code when there is nothing to do any more (help was shown, or a usage error reported).

@@ -47,7 +47,7 @@ TEST(MakeData, MakesWhatIsCommittedByteForByte) {
     for (const auto& entry : fs::directory_iterator(folder / room))
       EXPECT_TRUE(fs::exists(kData / room / entry.path().filename())) << entry.path();
   }
-  EXPECT_EQ(files, 26u);
+  EXPECT_EQ(files, 27u);
 }
 
 TEST(MakeData, DefaultSceneDoesWithoutScannedMeshes) {

@@ -63,13 +63,14 @@ Result<fs::path> renderGolden(const Golden& golden, const GoldenFolders& folders
   std::error_code ignored;
   fs::remove_all(work, ignored);
   fs::create_directories(work, ignored);
-  std::vector<std::string> bake = {(folders.source / "data/scenes" / (golden.scene + ".gltf")).string(), "-o", (work / "baked").string()};
+  const fs::path file = fs::path(golden.scene).has_extension() ? golden.scene : golden.scene + ".gltf";
+  const std::string name = file.stem().string();
+  std::vector<std::string> bake = {(folders.source / "data/scenes" / file).string(), "-o", (work / "baked").string(), "--name", name};
   bake.insert(bake.end(), golden.bake.begin(), golden.bake.end());
   if (auto done = runProgram(folders.programs / "overcast-bake", bake, work / "bake.log"); !done.ok()) return done.error();
   const std::string frames = fmt::format("{0}:{0}", golden.frame);
   fs::path picture = work / "picture.png";
-  std::vector<std::string> play = {
-      (work / "baked" / (golden.scene + ".gltf")).string(), "--headless", "--frames", frames, "-o", picture.string()};
+  std::vector<std::string> play = {(work / "baked" / (name + ".gltf")).string(), "--headless", "--frames", frames, "-o", picture.string()};
   play.insert(play.end(), golden.play.begin(), golden.play.end());
   if (auto done = runProgram(folders.programs / "overcast-player", play, work / "play.log"); !done.ok()) return done.error();
   return picture;

@@ -11,7 +11,7 @@ namespace overcast {
 
 struct Golden {
   std::string name;               ///< of the picture: data/golden/NAME.png
-  std::string scene;              ///< data/scenes/SCENE.gltf
+  std::string scene;              ///< data/scenes/SCENE.gltf, or data/scenes/SCENE where it has an extension
   int frame = 0;                  ///< at 30 per second
   std::vector<std::string> bake;  ///< flags of overcast-bake
   std::vector<std::string> play;  ///< flags of overcast-player: size, camera
