@@ -27,7 +27,8 @@ void addTerrainOptions(CLI::App& app, TerrainOptions& options) {
       ->check(positiveNumber);
   app.add_option_function<std::string>(
          "--terrain-height", [&options](const std::string& text) { options.height = rangeIn(text); },
-         "metres of black and white of 16-bit PNG height files [from 0 to a fifth of the longer side]")
+         "metres of black and white (0 and 1) of pictures with heights [PNG: from 0 to a fifth of the longer side; EXR: metres as they "
+         "are]")
       ->check([](const std::string& text) {
         return rangeIn(text) ? std::string() : fmt::format("'{}' is not MIN:MAX in metres, MIN below MAX", text);
       })

@@ -101,12 +101,12 @@ std::vector<std::string> verifyOccluder(const Occluder& occluder, const fs::path
 
 }  // namespace
 
-Result<std::vector<std::string>> verify(const fs::path& path, const std::vector<fs::path>& sources) {
+Result<std::vector<std::string>> verify(const fs::path& path, const std::vector<fs::path>& sources, const TerrainOptions& terrain) {
   const auto scene = readScene(path);
   if (!scene) return scene.error();
   std::vector<BakeInput> inputs;
   for (const fs::path& source : sources) {
-    auto input = readBakeInput(source);
+    auto input = readBakeInput(source, terrain);
     if (!input) return input.error();
     inputs.push_back(std::move(input).value());
   }

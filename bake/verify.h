@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "formats/result.h"
+#include "formats/terrain.h"
 
 namespace overcast {
 
@@ -17,7 +18,9 @@ inline constexpr double kVerifySlack = 1e-6;
 /// One line per finding, each naming the node; empty when all is well. Every occluder's source (by file name, and mesh name in a scene) is
 /// looked for among `sources`; its asset is read (file, content hash), its bounds, sign method and Lipschitz bound are compared, and its
 /// error is measured anew with the stated samples and seed (bake/measure.h): every stated figure must come out again. An asset that states
-/// no error, or one of a method this program does not know, is a finding. An Error when `scene` or a source cannot be read.
-Result<std::vector<std::string>> verify(const std::filesystem::path& scene, const std::vector<std::filesystem::path>& sources);
+/// no error, or one of a method this program does not know, is a finding. `terrain`: as given to the bake. An Error when `scene` or a
+/// source cannot be read.
+Result<std::vector<std::string>> verify(const std::filesystem::path& scene, const std::vector<std::filesystem::path>& sources,
+                                        const TerrainOptions& terrain = {});
 
 }  // namespace overcast

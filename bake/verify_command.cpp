@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "bake/command.h"
+#include "bake/terrain_options.h"
 #include "bake/verify.h"
 #include "formats/console.h"
 
@@ -18,10 +19,12 @@ int verifyCommand(const std::vector<std::string>& arguments) {
   std::vector<std::filesystem::path> sources;
   app.add_option("SCENE", scene, "a baked .gltf")->required();
   app.add_option("--source", sources, "the meshes and scenes it was baked from")->required();
+  TerrainOptions terrain;
+  addTerrainOptions(app, terrain);
   bool json = false;
   app.add_flag("--json", json, "print one JSON document instead of lines");
   if (const int code = parseArguments(app, arguments); code >= 0) return code;
-  const auto findings = verify(scene, sources);
+  const auto findings = verify(scene, sources, terrain);
   if (!findings) {
     complain(findings.error());
     return kBadInput;

@@ -40,7 +40,7 @@ Format formatOf(std::span<const std::byte> bytes, std::string_view text) {
 /// Gives the values of a picture their size in the world.
 void placePicture(Terrain& terrain, bool png, const TerrainOptions& options) {
   if (!options.spacing) terrain.notes.push_back("does not say how far its samples lie apart: 1 m assumed (--terrain-spacing sets it)");
-  if (!png) return;
+  if (!png && !options.height) return;
   const double longer = (std::max(terrain.columns, terrain.rows) - 1) * terrain.spacing.x;
   const glm::dvec2 range = options.height.value_or(glm::dvec2(0.0, kAssumedRelief * longer));
   if (!options.height)

@@ -27,7 +27,8 @@ struct Terrain {
 /// What files do not say, or what is to hold instead of what they say.
 struct TerrainOptions {
   std::optional<double> spacing;     ///< metres between samples; else the file's, and 1 where it has none (PNG, EXR)
-  std::optional<glm::dvec2> height;  ///< metres of the lowest and the highest value of a PNG; else 0 to a fifth of the longer side
+  std::optional<glm::dvec2> height;  ///< metres of the values 0 and 1 (a PNG's white) of pictures; else 0 to a fifth of the longer side for
+                                     ///< PNG, as they are for EXR
 };
 
 /// All of the options as text: equal exactly when they are.
@@ -46,7 +47,8 @@ bool isTerrainFile(const std::filesystem::path& path);
 
 /// Reads a height file, told apart by content:
 ///  - PNG: grey (with or without alpha) of 16 bits; alpha 0 is no data. Gamma and colour profiles are not applied.
-///  - OpenEXR: of one channel, or of several the one named height, Y or R; values are metres. NaN and infinities are no data.
+///  - OpenEXR: of one channel, or of several the one named height, Y or R; values are metres unless the options say what 0 and 1 stand for.
+///    NaN and infinities are no data.
 ///  - ESRI ASCII grid: ncols, nrows, cellsize or dx and dy, xllcorner or xllcenter, nodata_value (else -9999), in any case of letters.
 ///    Values are metres. A grid whose corners are degrees (within 180 and 90, cells of at most 0.1) is taken as such.
 ///  - USGS ASCII DEM, fixed columns with or without line ends: ground in metres, feet, arc seconds or radians, profiles of any length,

@@ -2,14 +2,17 @@
 // at night).
 #pragma once
 
+#include <optional>
+
 #include "formats/lighting.h"
 
 namespace overcast {
 
 /// A day that passes while a scene plays.
 struct Daylight {
-  double start = 12.0;          ///< hours at time 0, any number; 12: the sun is highest
-  double hoursPerSecond = 0.0;  ///< how fast the day passes
+  double start = 12.0;                             ///< hours at time 0, any number; 12: the sun is highest
+  double hoursPerSecond = 0.0;                     ///< how fast the day passes
+  std::optional<double> sunRadius = std::nullopt;  ///< radians, instead of the scene's: larger suns have softer shadows
 };
 
 /// `lighting` with sun and sky as they are at `hours` (taken modulo 24): the sun of an equinox at 45 degrees, rising in the east at 6,

@@ -177,6 +177,7 @@ struct Lit {
 Lit litAt(const RuntimeScene& scene, const std::optional<Daylight>& day, double time) {
   const double hours = day ? day->start + day->hoursPerSecond * time : 0.0;
   Lit lit{day ? lightingAt(scene.lighting, hours) : scene.lighting, {}};
+  if (day && day->sunRadius) lit.lighting.sun->angularRadius = static_cast<float>(*day->sunRadius);
   if (!scene.sky) {
     lit.sky = uniformSky(lit.lighting.skyColour);
     return lit;

@@ -126,6 +126,11 @@ ParsedOptions parseOptions(int argc, char** argv) {
       ->check(CLI::Range(-1e3, 1e3))
       ->needs(hourOption)
       ->capture_default_str();
+  app.add_option_function<double>(
+         "--sun-radius", [&day](double degrees) { day.sunRadius = degrees * std::numbers::pi / 180.0; },
+         "degrees from the middle of that sun to its rim: wider suns have softer shadows (default: the scene's, else 0.27)")
+      ->check(CLI::Range(0.01, 30.0))
+      ->needs(hourOption);
   app.add_option("--sky", sky, "an EXR, latitude-longitude or cube, that is the sky (default: as the scene has it)");
   app.add_option("--level-error", options.levelError, "pixels by which terrain may be off for fewer triangles; 0: all triangles")
       ->check(CLI::Range(0.0, 1e3))

@@ -68,6 +68,7 @@ TEST(Terrain, isTheSameInAllFourFormats) {
   constexpr double kStep = 600.0 / 65535.0;
   expectHeights(readTerrain(folder / "a.png", options), heights, 0.51 * kStep);
   expectHeights(readTerrain(folder / "interlaced.png", options), heights, 0.51 * kStep);
+  options.height.reset();
   for (const char* name : {"a.exr", "named.exr"}) expectHeights(readTerrain(folder / name, options), heights, 0.0);
   for (const char* name : {"a.asc", "esri.dem", "a.dem", "lines.dem"}) {
     const auto read = readTerrain(folder / name);
@@ -86,6 +87,16 @@ TEST(Terrain, ofPicturesSaysWhatItAssumes) {
   EXPECT_EQ(read.value().spacing, glm::dvec2(1.0));
   EXPECT_EQ(read.value().heights.front(), 0.0f);
   EXPECT_NEAR(read.value().heights.back(), 2.0f, 1e-6f);  // a fifth of 10 m
+}
+
+TEST(Terrain, ofAnExrIsInMetresUnlessStretched) {
+  const TemporaryFolder folder;
+  writeHeightExr(folder / "a.exr", Heights(3, 2, [](int x, int y) { return 0.25 * x + 0.5 * y; }), "R");
+  TerrainOptions options;
+  options.spacing = 2.0;
+  EXPECT_EQ(readTerrain(folder / "a.exr", options).value().heights, (std::vector<float>{0.0f, 0.25f, 0.5f, 0.5f, 0.75f, 1.0f}));
+  options.height = glm::dvec2(10.0, 50.0);
+  EXPECT_EQ(readTerrain(folder / "a.exr", options).value().heights, (std::vector<float>{10.0f, 20.0f, 30.0f, 30.0f, 40.0f, 50.0f}));
 }
 
 TEST(Terrain, inDegreesIsSmallerTowardsThePoles) {
@@ -190,8 +201,9 @@ TEST(Terrain, agreesOnMountSaintHelens) {
   TerrainOptions options;
   options.spacing = 30.0;
   options.height = glm::dvec2(682.0, 2543.0);
-  const auto exr = readTerrain(folder / "sthelens_30m_float_nodataNaN.exr", options);
   const auto png = readTerrain(folder / "sthelens_30m_16bit.png", options);
+  options.height.reset();
+  const auto exr = readTerrain(folder / "sthelens_30m_float_nodataNaN.exr", options);
   ASSERT_TRUE(exr && png);
   std::size_t known = 0;
   for (std::size_t i = 0; i < dem.value().heights.size(); ++i) {
