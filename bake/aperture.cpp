@@ -216,9 +216,27 @@ struct Job {
   }
 };
 
+/// Vertices among those in solids that see the sky from their other side.
+std::uint64_t countInward(Job& job, std::span<const SurfacePoint> origins, std::span<const char> interior) {
+  std::vector<SurfacePoint> behind;
+  std::vector<std::size_t> point;
+  for (std::size_t i = 0; i < origins.size(); ++i) {
+    if (!interior[i]) continue;
+    behind.push_back({origins[i].position, -origins[i].normal});
+    point.push_back(i);
+  }
+  const std::vector<PointVisibility> seen = traceVisibility(job.occluders, behind, job.settings.visibility, job.progress);
+  job.report.rays += seen.size() * static_cast<std::uint64_t>(job.settings.visibility.rays);
+  std::vector<char> inward(origins.size(), 0);
+  for (std::size_t i = 0; i < seen.size(); ++i) inward[point[i]] = !seen[i].interior && seen[i].visible > 0.0f;
+  std::uint64_t count = 0;
+  for (const std::uint32_t of : job.points.ofVertex) count += static_cast<std::uint64_t>(inward[of]);
+  return count;
+}
+
 void bakeVertices(Job& job) {
-  const std::vector<PointVisibility> seen =
-      traceVisibility(job.occluders, vertexOrigins(job.mesh, job.points), job.settings.visibility, job.progress);
+  const std::vector<SurfacePoint> origins = vertexOrigins(job.mesh, job.points);
+  const std::vector<PointVisibility> seen = traceVisibility(job.occluders, origins, job.settings.visibility, job.progress);
   job.report.rays += seen.size() * static_cast<std::uint64_t>(job.settings.visibility.rays);
   std::vector<char> interior;
   for (const PointVisibility& point : seen) {
@@ -226,6 +244,7 @@ void bakeVertices(Job& job) {
     job.samples.push_back(sampleOf(point));
   }
   for (const std::uint32_t point : job.points.ofVertex) job.report.interior += static_cast<std::uint64_t>(interior[point]);
+  job.report.inward = countInward(job, origins, interior);
   fillFromNeighbours(job.points.triangles, std::move(interior), job.samples);
 }
 

@@ -49,8 +49,8 @@ void fields(Archive& archive, InterpolationError& error) {
 
 template <class Archive>
 void fields(Archive& archive, ApertureReport& report) {
-  auto& [vertices, points, interior, shut, rays, seconds, samples, sampled, error, fitted] = report;
-  archive(vertices, points, interior, shut, rays, seconds, samples, sampled, error, fitted);
+  auto& [vertices, points, interior, inward, shut, rays, seconds, samples, sampled, error, fitted] = report;
+  archive(vertices, points, interior, inward, shut, rays, seconds, samples, sampled, error, fitted);
 }
 
 template <class Archive>

@@ -95,10 +95,10 @@ Json toJson(const InterpolationError& error) {
 }
 
 Json toJson(const ApertureReport& report) {
-  return {{"vertices", report.vertices},  {"points", report.points}, {"interior", report.interior},
-          {"shut", report.shut},          {"rays", report.rays},     {"seconds", report.seconds},
-          {"samples", report.samples},    {"fitted", report.fitted}, {"sampled", toJson(report.sampled)},
-          {"error", toJson(report.error)}};
+  return {{"vertices", report.vertices},       {"points", report.points},      {"interior", report.interior},
+          {"inward", report.inward},           {"shut", report.shut},          {"rays", report.rays},
+          {"seconds", report.seconds},         {"samples", report.samples},    {"fitted", report.fitted},
+          {"sampled", toJson(report.sampled)}, {"error", toJson(report.error)}};
 }
 
 Json toJson(const SceneBake& bake, const MeshBake& mesh) {
@@ -150,6 +150,7 @@ std::string summaryLine(const MeshBake& mesh) {
 std::string summaryLine(const ApertureReport& report) {
   std::string line = "apertures: " + counted(report.vertices, "vertex", "vertices");
   if (report.interior > 0) line += fmt::format(", {} in solids", grouped(report.interior));
+  if (report.inward > 0) line += fmt::format(" of which {} face inward and see the sky from their other side", grouped(report.inward));
   if (report.shut > 0) line += fmt::format(", {} shut", grouped(report.shut));
   line += fmt::format(", {:.2f} s", report.seconds);
   if (report.samples == 0) return line;

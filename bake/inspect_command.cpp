@@ -97,6 +97,20 @@ std::string occluderLine(const Occluder& occluder) {
                      occluder.source);
 }
 
+void inspectApertures(const Mesh& mesh, Json& json, Findings& findings) {
+  const std::vector<Aperture>& apertures = mesh.visibility->apertures;
+  double sum = 0.0;
+  for (const Aperture& aperture : apertures) sum += double{aperture.radius};
+  const double mean = apertures.empty() ? 0.0 : sum / static_cast<double>(apertures.size());
+  const auto shut = std::count_if(apertures.begin(), apertures.end(), [](const Aperture& a) { return a.radius == 0.0f; });
+  const int bytes = mesh.visibility->bits == ApertureBits::packed64 ? 8 : 4;
+  const bool transfer = !mesh.visibility->transfer.empty();
+  json["apertures"] = {{"vertices", apertures.size()}, {"bytes", bytes}, {"meanRadius", mean}, {"shut", shut}, {"transfer", transfer}};
+  findings.lines.push_back(fmt::format("  apertures at {} vertices, {} bytes each, mean radius {:.3f} rad, {} shut{}",
+                                       grouped(apertures.size()), bytes, mean, grouped(static_cast<std::uint64_t>(shut)),
+                                       transfer ? ", with transfer" : ""));
+}
+
 void inspectNodes(const Scene& scene, Findings& findings) {
   Json nodes = Json::array();
   for (std::size_t i = 0; i < scene.nodes.size(); ++i) {
@@ -114,6 +128,8 @@ void inspectNodes(const Scene& scene, Findings& findings) {
       line += ", camera";
     }
     findings.lines.push_back(line);
+    if (node.mesh >= 0 && scene.meshes[static_cast<std::size_t>(node.mesh)].visibility)
+      inspectApertures(scene.meshes[static_cast<std::size_t>(node.mesh)], json, findings);
     if (node.occluder) {
       json["occluder"] = Json::parse(occluderJson(*node.occluder));
       findings.lines.push_back(occluderLine(*node.occluder));

@@ -142,6 +142,22 @@ TEST(Aperture, TheFootOfAWallSeesHalfOfItsHemisphere) {
   EXPECT_NEAR(result.visibility.ambient[8], 0.5f, 0.02f);
 }
 
+TEST(Aperture, PatchesThatFaceInwardAreCountedAndPointsInSolidsAreNot) {
+  ApertureSettings settings;
+  settings.errorSamples = 0;
+  const Mesh ball = withNormals(reference::icosphere(1.0, 3)), core = reference::icosphere(0.2, 2);
+  const ApertureReport inward = baked(withNormals(reference::insideOut(reference::icosphere(1.0, 3))), settings).report;
+  EXPECT_EQ(inward.interior, 0u);  // a room: its walls see each other's fronts
+  Mesh turned = ball;              // normals alone point in
+  for (glm::vec3& n : turned.normals) n = -n;
+  const ApertureReport patches = baked(turned, settings).report;
+  EXPECT_EQ(patches.interior, patches.vertices);
+  EXPECT_EQ(patches.inward, patches.vertices);
+  const ApertureReport within = baked(withNormals(reference::joined(ball, core)), settings).report;
+  EXPECT_EQ(within.interior, core.positions.size());
+  EXPECT_EQ(within.inward, 0u);
+}
+
 double meanOf(const std::vector<SurfaceSample>& samples, const Mesh& mesh, int axis) {
   double sum = 0.0;
   for (const SurfaceSample& s : samples)

@@ -54,6 +54,7 @@ TEST_F(ApertureCommand, EveryVertexOfEveryMeshGetsOne) {
   float least = 2.0f;
   for (const Aperture& aperture : read.meshes[0].visibility->apertures) least = std::min(least, aperture.radius);
   EXPECT_LT(least, 1.2f);  // the inside of the ring sees part of the sky
+  EXPECT_THAT(shell(fmt::format("{} inspect out/scene.gltf", kBake), folder).output, HasSubstr("apertures at 512 vertices, 4 bytes each"));
 }
 
 TEST_F(ApertureCommand, EightBytesBringAmbientVisibilityAndTransferBringsHarmonics) {
