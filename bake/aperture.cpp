@@ -216,12 +216,12 @@ struct Job {
   }
 };
 
-/// Vertices among those in solids that see the sky from their other side.
-std::uint64_t countInward(Job& job, std::span<const SurfacePoint> origins, std::span<const char> interior) {
+/// Vertices that see the sky from their other side alone, given what is seen from `origins`.
+std::uint64_t countInward(Job& job, std::span<const SurfacePoint> origins, std::span<const PointVisibility> before) {
   std::vector<SurfacePoint> behind;
   std::vector<std::size_t> point;
   for (std::size_t i = 0; i < origins.size(); ++i) {
-    if (!interior[i]) continue;
+    if (!before[i].interior && before[i].visible > 0.0f) continue;
     behind.push_back({origins[i].position, -origins[i].normal});
     point.push_back(i);
   }
@@ -244,7 +244,7 @@ void bakeVertices(Job& job) {
     job.samples.push_back(sampleOf(point));
   }
   for (const std::uint32_t point : job.points.ofVertex) job.report.interior += static_cast<std::uint64_t>(interior[point]);
-  job.report.inward = countInward(job, origins, interior);
+  job.report.inward = countInward(job, origins, seen);
   fillFromNeighbours(job.points.triangles, std::move(interior), job.samples);
 }
 

@@ -34,7 +34,7 @@ struct ApertureReport {
   std::uint64_t vertices = 0;
   std::uint64_t points = 0;    ///< distinct places and normals among them
   std::uint64_t interior = 0;  ///< vertices in a solid, filled from their neighbours where they have any outside
-  std::uint64_t inward = 0;    ///< of these, vertices that see the sky from their other side: their triangles face inward
+  std::uint64_t inward = 0;    ///< in solids or seeing nothing, but seeing sky from their other side: their triangles face inward
   std::uint64_t shut = 0;      ///< vertices that see nothing: normal and radius 0
   std::uint64_t rays = 0;      ///< traced in all
   double seconds = 0.0;

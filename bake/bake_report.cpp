@@ -150,8 +150,8 @@ std::string summaryLine(const MeshBake& mesh) {
 std::string summaryLine(const ApertureReport& report) {
   std::string line = "apertures: " + counted(report.vertices, "vertex", "vertices");
   if (report.interior > 0) line += fmt::format(", {} in solids", grouped(report.interior));
-  if (report.inward > 0) line += fmt::format(" of which {} face inward and see the sky from their other side", grouped(report.inward));
   if (report.shut > 0) line += fmt::format(", {} shut", grouped(report.shut));
+  if (report.inward > 0) line += fmt::format(", {} face inward and see the sky only from their other side", grouped(report.inward));
   line += fmt::format(", {:.2f} s", report.seconds);
   if (report.samples == 0) return line;
   line += fmt::format(", between vertices rms {:.3f} rad of radius, {:.3f} of sky light", report.error.radius, report.error.ambient);

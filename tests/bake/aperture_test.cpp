@@ -148,7 +148,9 @@ TEST(Aperture, PatchesThatFaceInwardAreCountedAndPointsInSolidsAreNot) {
   const Mesh ball = withNormals(reference::icosphere(1.0, 3)), core = reference::icosphere(0.2, 2);
   const ApertureReport inward = baked(withNormals(reference::insideOut(reference::icosphere(1.0, 3))), settings).report;
   EXPECT_EQ(inward.interior, 0u);  // a room: its walls see each other's fronts
-  Mesh turned = ball;              // normals alone point in
+  EXPECT_EQ(inward.shut, inward.vertices);
+  EXPECT_EQ(inward.inward, inward.vertices);
+  Mesh turned = ball;  // normals alone point in
   for (glm::vec3& n : turned.normals) n = -n;
   const ApertureReport patches = baked(turned, settings).report;
   EXPECT_EQ(patches.interior, patches.vertices);
