@@ -1,9 +1,11 @@
 #include "runtime/baseline.h"
 
+#include <algorithm>
 #include <cstddef>
 
 #include <glm/matrix.hpp>
 
+#include "runtime/passes/cone_tracing/cone_tracing.h"
 #include "runtime/passes/constant/constant.h"
 #include "runtime/passes/denoise/denoise.h"
 #include "runtime/passes/rays/rays.h"
@@ -11,6 +13,7 @@
 namespace overcast {
 
 static_assert(sizeof(shared::ConstantPush) == 16);
+static_assert(sizeof(shared::ConeTracingPush) == 80 && offsetof(shared::ConeTracingPush, sky) == 64);
 static_assert(sizeof(shared::DenoisePush) == 80 && offsetof(shared::DenoisePush, sky) == 64);
 static_assert(sizeof(shared::RaysPush) == 80 && offsetof(shared::RaysPush, sky) == 64);
 
@@ -27,6 +30,8 @@ Program programOf(Technique technique) {
       break;
     case Technique::constant:
       return {{"runtime/passes/constant/constant.comp.glsl", {}}, sizeof(shared::ConstantPush)};
+    case Technique::coneTracing:
+      return {{"runtime/passes/cone_tracing/cone_tracing.comp.glsl", {}}, sizeof(shared::ConeTracingPush)};
     case Technique::rays16:
       return {{"runtime/passes/rays/rays.comp.glsl", {{"OVERCAST_RAYS", "16"}}}, sizeof(shared::RaysPush)};
     case Technique::rays64:
@@ -90,12 +95,20 @@ void destroyBaseline(const Device& device, Baseline& baseline) {
 }
 
 void recordBaseline(VkCommandBuffer commands, const Baseline& baseline, const GlobalGrid& grid, const ScreenView& view) {
-  if (baseline.technique == Technique::constant) {
-    recordScreenPass(commands, baseline.light, shared::ConstantPush{glm::vec4(view.skyColour, baseline.constant)});
-    return;
+  const auto sky = [&](float w) { return glm::vec4(view.skyColour, w); };
+  const glm::mat4 fromClip = voxelFromClip(grid, view.clipFromRelative, view.eye);
+  switch (baseline.technique) {
+    case Technique::constant:
+      recordScreenPass(commands, baseline.light, shared::ConstantPush{sky(baseline.constant)});
+      break;
+    case Technique::coneTracing: {
+      const auto reach = static_cast<float>(std::max({grid.size.x, grid.size.y, grid.size.z}));
+      recordScreenPass(commands, baseline.light, shared::ConeTracingPush{fromClip, sky(shared::tracedConeRatio(reach))});
+      break;
+    }
+    default:
+      recordScreenPass(commands, baseline.light, shared::RaysPush{fromClip, sky(0.0f)});
   }
-  recordScreenPass(commands, baseline.light,
-                   shared::RaysPush{voxelFromClip(grid, view.clipFromRelative, view.eye), glm::vec4(view.skyColour, 0.0f)});
 }
 
 void recordDenoise(VkCommandBuffer commands, const Baseline& baseline, const ScreenView& view) {

@@ -7,9 +7,10 @@
 namespace overcast {
 
 enum class Technique {
-  overcast,  ///< the scene's estimator, or its apertures
-  constant,  ///< one value everywhere
-  rays16,    ///< rays through the global volume
+  overcast,     ///< the scene's estimator, or its apertures
+  constant,     ///< one value everywhere
+  coneTracing,  ///< nine cones through the global volume
+  rays16,       ///< rays through the global volume
   rays64,
 };
 
@@ -19,8 +20,11 @@ struct NamedTechnique {
 };
 
 /// As --technique and the report name them; in the order of Technique.
-inline constexpr std::array<NamedTechnique, 4> kTechniques{
-    {{"overcast", Technique::overcast}, {"constant", Technique::constant}, {"rays16", Technique::rays16}, {"rays64", Technique::rays64}}};
+inline constexpr std::array<NamedTechnique, 5> kTechniques{{{"overcast", Technique::overcast},
+                                                            {"constant", Technique::constant},
+                                                            {"cone-tracing", Technique::coneTracing},
+                                                            {"rays16", Technique::rays16},
+                                                            {"rays64", Technique::rays64}}};
 
 constexpr const char* nameOf(Technique technique) {
   return kTechniques[static_cast<std::size_t>(technique)].name;
@@ -28,7 +32,7 @@ constexpr const char* nameOf(Technique technique) {
 
 /// Whether the technique reads the global volume; for the others none is made.
 constexpr bool readsVolume(Technique technique) {
-  return technique == Technique::overcast || technique == Technique::rays16 || technique == Technique::rays64;
+  return technique != Technique::constant;
 }
 
 /// Whether pixels take turns with their samples, so that the denoise pass must follow.

@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cmath>
+#include <functional>
 #include <numbers>
 #include <random>
 
@@ -10,6 +11,7 @@
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
 
+#include "runtime/passes/cone_tracing/cone_tracing.h"
 #include "runtime/passes/denoise/denoise.h"
 #include "runtime/passes/rays/rays.h"
 #include "tests/runtime/ground.h"
@@ -157,6 +159,43 @@ TEST(RayFormulas, ReachIsWhereTheVolumeEnds) {
   }
 }
 
+TEST(ConeTracingFormulas, ConesShareTheHemisphereByTheCosine) {
+  EXPECT_NEAR(1.0 - 1.0 / std::sqrt(1.0 + std::pow(shared::kTracedConeTangent, 2.0)), 1.0 / 9.0, 1e-6) << "solid angle 2 pi / 9";
+  double whole = 0.0;
+  for (int cone = 0; cone < shared::kTracedCones; ++cone) {
+    const glm::dvec3 axis = shared::tracedConeAxis(cone);
+    EXPECT_NEAR(glm::length(axis), 1.0, 1e-6);
+    const bool upper = axis.z > 2.0 / 3.0;
+    EXPECT_NEAR(shared::tracedConeWeight(cone), upper ? (1.0 - 4.0 / 9.0) / 3.0 : 4.0 / 9.0 / 6.0, 1e-6);
+    whole += shared::tracedConeWeight(cone);
+    for (int other = 0; other < cone; ++other)
+      EXPECT_LT(glm::dot(axis, glm::dvec3(shared::tracedConeAxis(other))), 0.8) << "cones " << cone << " and " << other;
+  }
+  EXPECT_NEAR(whole, 1.0, 1e-6);
+  EXPECT_NEAR(shared::kTracedConeFirst * std::pow(shared::tracedConeRatio(100.0f), shared::kTracedConeSteps - 1), 100.0, 1e-3);
+}
+
+/// The nine cones in double over a field in closed form.
+double conesInDouble(const glm::dvec3& ground, const std::function<double(const glm::dvec3&)>& phi) {
+  const double tangent = std::tan(std::acos(8.0 / 9.0));
+  double sky = 0.0;
+  for (int cone = 0; cone < 9; ++cone) {
+    const double height = cone < 3 ? 5.0 / 6.0 : 1.0 / 3.0, flat = std::sqrt(1.0 - height * height);
+    const double angle = std::numbers::pi * (cone < 3 ? 2.0 * cone / 3.0 + 1.0 / 6.0 : cone / 3.0);
+    // Over ground the frame's axes are those of the world, its third being y.
+    const glm::dvec3 axis(flat * std::cos(angle), height, flat * std::sin(angle));
+    double clear = 1.0;
+    for (int step = 0; step < 10; ++step) {
+      const double t = std::pow(kSize, step / 9.0);
+      const glm::dvec3 at = ground + glm::dvec3(0, 0.5, 0) + t * axis;
+      const glm::dvec3 inside = glm::clamp(at, 0.5, kSize - 0.5);
+      clear = std::min(clear, std::clamp((phi(inside) + glm::distance(at, inside)) / (t * std::min(tangent, height)), 0.0, 1.0));
+    }
+    sky += clear * (cone < 3 ? 5.0 / 27.0 : 2.0 / 27.0);
+  }
+  return sky;
+}
+
 TEST(DenoiseFormulas, EveryWindowHoldsEachPlaceOfThePatternOnce) {
   for (int y = 0; y < 4; ++y)
     for (int x = 0; x < 4; ++x) {
@@ -186,7 +225,7 @@ TEST_F(Baselines, ConstantIsTheSameEverywhere) {
 
 TEST_F(Baselines, OpenGroundSeesTheWholeSky) {
   const reference::Field open = test::groundCube([](const glm::dvec3& p) { return p.y - kGround; });
-  for (const Technique technique : {Technique::rays16, Technique::rays64})
+  for (const Technique technique : {Technique::coneTracing, Technique::rays16, Technique::rays64})
     for (const Pixel& pixel : light(technique, open)) {
       ASSERT_EQ(pixel.sky, 1.0f) << nameOf(technique);
       ASSERT_EQ(pixel.light, glm::vec3(0.5f, 0.25f, 1.0f));
@@ -201,6 +240,20 @@ TEST_F(Baselines, RaysFindTheFormFactorOfASphere) {
     EXPECT_LT(errorTo(pixels, besideSphere<4>), 0.020) << nameOf(technique);
     EXPECT_LT(errorTo(pixels, besideSphere<14>), 0.010) << nameOf(technique);
   }
+}
+
+TEST_F(Baselines, ConesAreThoseInDouble) {
+  const auto sphere = [](const glm::dvec3& p) { return conesInDouble(p, test::sphereOnGround); };
+  EXPECT_LT(errorTo(light(Technique::coneTracing, test::groundCube(test::sphereOnGround)), sphere), 0.01);
+  const auto wall = [](const glm::dvec3& p) { return conesInDouble(p, wallAndGround); };
+  EXPECT_LT(errorTo(light(Technique::coneTracing, test::groundCube(wallAndGround)), wall), 0.01);
+}
+
+TEST_F(Baselines, ConesDarkenTheGroundUnderASphere) {
+  const std::vector<Pixel> pixels = light(Technique::coneTracing, test::groundCube(test::sphereOnGround));
+  for (std::size_t step = 1; step < 31; ++step) EXPECT_GE(pixels[32 * 64 + 32 + step].sky, pixels[32 * 64 + 31 + step].sky - 0.03f) << step;
+  EXPECT_LT(pixels[32 * 64 + 32].sky, 0.05f);
+  EXPECT_GT(pixels[0].sky, 0.9f);
 }
 
 TEST_F(Baselines, RaysFindTheSkyBesideAWall) {
