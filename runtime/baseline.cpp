@@ -8,6 +8,7 @@
 #include "runtime/passes/cone_tracing/cone_tracing.h"
 #include "runtime/passes/constant/constant.h"
 #include "runtime/passes/denoise/denoise.h"
+#include "runtime/passes/gtao/gtao.h"
 #include "runtime/passes/rays/rays.h"
 
 namespace overcast {
@@ -15,6 +16,7 @@ namespace overcast {
 static_assert(sizeof(shared::ConstantPush) == 16);
 static_assert(sizeof(shared::ConeTracingPush) == 80 && offsetof(shared::ConeTracingPush, sky) == 64);
 static_assert(sizeof(shared::DenoisePush) == 80 && offsetof(shared::DenoisePush, sky) == 64);
+static_assert(sizeof(shared::GtaoPush) == 96 && offsetof(shared::GtaoPush, search) == 80);
 static_assert(sizeof(shared::RaysPush) == 80 && offsetof(shared::RaysPush, sky) == 64);
 
 namespace {
@@ -30,6 +32,8 @@ Program programOf(Technique technique) {
       break;
     case Technique::constant:
       return {{"runtime/passes/constant/constant.comp.glsl", {}}, sizeof(shared::ConstantPush)};
+    case Technique::gtao:
+      return {{"runtime/passes/gtao/gtao.comp.glsl", {}}, sizeof(shared::GtaoPush)};
     case Technique::coneTracing:
       return {{"runtime/passes/cone_tracing/cone_tracing.comp.glsl", {}}, sizeof(shared::ConeTracingPush)};
     case Technique::rays16:
@@ -38,6 +42,16 @@ Program programOf(Technique technique) {
       return {{"runtime/passes/rays/rays.comp.glsl", {{"OVERCAST_RAYS", "64"}}}, sizeof(shared::RaysPush)};
   }
   OVERCAST_REQUIRE(false, "technique {} is no baseline", nameOf(technique));
+}
+
+/// GtaoPush::search. The default radius had the least error of sky visibility on our scenes.
+glm::vec4 searchOf(const TechniqueSettings& settings, const GlobalGrid& grid) {
+  constexpr double kRadiusShare = 2.0;
+  const double longest = grid.voxelSize * std::max({grid.size.x, grid.size.y, grid.size.z});
+  const auto radius = static_cast<float>(settings.gtaoRadius.value_or(kRadiusShare * longest));
+  const GtaoSearch& search = settings.gtaoSearch;
+  const auto steps = static_cast<float>(search.steps);
+  return {radius, static_cast<float>(search.slices), steps, search.thickness / steps};
 }
 
 Result<Done> addDenoise(const Device& device, const BaselineInputs& inputs, Baseline& baseline) {
@@ -54,15 +68,15 @@ Result<Done> addDenoise(const Device& device, const BaselineInputs& inputs, Base
 }
 
 Result<Done> fill(const Device& device, const BaselineInputs& inputs, Baseline& baseline) {
-  const Program program = programOf(baseline.technique);
-  if (denoises(baseline.technique)) {
+  const Program program = programOf(baseline.settings.technique);
+  if (denoises(baseline.settings.technique)) {
     const Result<Done> made = addDenoise(device, inputs, baseline);
     if (!made) return made;
   }
-  const bool volume = readsVolume(baseline.technique);
+  const bool volume = readsVolume(baseline.settings.technique);
   std::vector<Binding> own;
   if (volume) own.push_back({kFirstScreenBinding, VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER});
-  Result<ScreenPass> light = makeScreenPass(device, inputs.images, denoises(baseline.technique) ? baseline.raw : inputs.light,
+  Result<ScreenPass> light = makeScreenPass(device, inputs.images, denoises(baseline.settings.technique) ? baseline.raw : inputs.light,
                                             program.shader, own, program.pushBytes);
   if (!light) return light.error();
   baseline.light = std::move(light).value();
@@ -76,10 +90,9 @@ Result<Done> fill(const Device& device, const BaselineInputs& inputs, Baseline& 
 
 }  // namespace
 
-Result<Baseline> makeBaseline(const Device& device, Technique technique, float constant, const BaselineInputs& inputs) {
+Result<Baseline> makeBaseline(const Device& device, const TechniqueSettings& settings, const BaselineInputs& inputs) {
   Baseline baseline;
-  baseline.technique = technique;
-  baseline.constant = constant;
+  baseline.settings = settings;
   const Result<Done> filled = fill(device, inputs, baseline);
   if (filled) return baseline;
   destroyBaseline(device, baseline);
@@ -97,9 +110,13 @@ void destroyBaseline(const Device& device, Baseline& baseline) {
 void recordBaseline(VkCommandBuffer commands, const Baseline& baseline, const GlobalGrid& grid, const ScreenView& view) {
   const auto sky = [&](float w) { return glm::vec4(view.skyColour, w); };
   const glm::mat4 fromClip = voxelFromClip(grid, view.clipFromRelative, view.eye);
-  switch (baseline.technique) {
+  switch (baseline.settings.technique) {
     case Technique::constant:
-      recordScreenPass(commands, baseline.light, shared::ConstantPush{sky(baseline.constant)});
+      recordScreenPass(commands, baseline.light, shared::ConstantPush{sky(baseline.settings.constant)});
+      break;
+    case Technique::gtao:
+      recordScreenPass(commands, baseline.light,
+                       shared::GtaoPush{glm::mat4(glm::inverse(view.clipFromRelative)), sky(0.0f), searchOf(baseline.settings, grid)});
       break;
     case Technique::coneTracing: {
       const auto reach = static_cast<float>(std::max({grid.size.x, grid.size.y, grid.size.z}));

@@ -11,10 +11,9 @@
 namespace overcast {
 
 struct Baseline {
-  Technique technique = Technique::overcast;
-  float constant = 0.0f;  ///< visibility of Technique::constant
-  ScreenPass light;       ///< writes the light image, or `raw` where `denoise` follows
-  ScreenPass denoise;     ///< of techniques that denoises() names
+  TechniqueSettings settings;
+  ScreenPass light;    ///< writes the light image, or `raw` where `denoise` follows
+  ScreenPass denoise;  ///< of techniques that denoises() names
   GpuImage raw;
   VkSampler trilinear = VK_NULL_HANDLE;  ///< of techniques that read the volume
 };
@@ -26,8 +25,8 @@ struct BaselineInputs {
   const GpuImage& volume;  ///< CompositePass::volume; looked at where readsVolume(technique)
 };
 
-/// The passes of `technique`, which is not Technique::overcast.
-Result<Baseline> makeBaseline(const Device& device, Technique technique, float constant, const BaselineInputs& inputs);
+/// The passes of a technique, which is not Technique::overcast.
+Result<Baseline> makeBaseline(const Device& device, const TechniqueSettings& settings, const BaselineInputs& inputs);
 void destroyBaseline(const Device& device, Baseline& baseline);
 
 /// Records the pass that finds visibility, and light where no denoising follows; after recordGeometry, and recordComposite of the volume in

@@ -23,8 +23,10 @@ Result<Done> checkSettings(const FrameSettings& settings) {
     return Error{"", "", fmt::format("a global volume of {} voxels is not a multiple of 8 from 32 to 256", *settings.resolution)};
   if (settings.taps && (*settings.taps < 1 || *settings.taps > shared::kMaxTaps))
     return Error{"", "", fmt::format("{} taps are outside 1 to {}", *settings.taps, shared::kMaxTaps)};
-  if (!(settings.constant >= 0.0f && settings.constant <= 1.0f))
-    return Error{"", "", fmt::format("a sky visibility of {} is outside 0 to 1", settings.constant)};
+  if (const float constant = settings.technique.constant; !(constant >= 0.0f && constant <= 1.0f))
+    return Error{"", "", fmt::format("a sky visibility of {} is outside 0 to 1", constant)};
+  if (const double radius = settings.technique.gtaoRadius.value_or(1.0); !(radius > 0.0))
+    return Error{"", "", fmt::format("a radius of {} m is not above 0", radius)};
   return Done{};
 }
 
@@ -55,9 +57,9 @@ Result<Done> makeTargets(const Device& device, FrameRenderer& renderer) {
   Result<Done> done = take(makeGeometryImages(device, full, {renderer.apertures, renderer.transfer}), targets.images);
   const GpuBuffer* sky = renderer.sky.buffer ? &renderer.sky : nullptr;
   if (done) done = take(makeLightImage(device, targets.images), targets.light);
-  if (done && settings.technique != Technique::overcast) {
+  if (done && settings.technique.technique != Technique::overcast) {
     const BaselineInputs inputs{targets.images, targets.light, renderer.composite.volume};
-    done = take(makeBaseline(device, settings.technique, settings.constant, inputs), targets.baseline.emplace());
+    done = take(makeBaseline(device, settings.technique, inputs), targets.baseline.emplace());
   } else if (done) {
     done = take(makeShadePass(device, targets.images, targets.light, renderer.pyramid, renderer.taps, sky), targets.shade);
   }
@@ -112,7 +114,7 @@ Result<Done> makeSubmission(const Device& device, FrameRenderer& renderer) {
   const VkFenceCreateInfo fence{VK_STRUCTURE_TYPE_FENCE_CREATE_INFO};
   if (made == VK_SUCCESS) made = vkCreateFence(device.device, &fence, nullptr, &renderer.done);
   if (made != VK_SUCCESS) return vulkanError(made, "cannot make a command buffer");
-  const Technique technique = renderer.settings.technique;
+  const Technique technique = renderer.settings.technique.technique;
   renderer.passes = passesOf(technique, renderer.apertures);
   std::vector<std::string> names;
   for (const FramePass pass : renderer.passes) names.emplace_back(nameOf(pass, technique));
@@ -123,7 +125,7 @@ Result<Done> fillRenderer(const Device& device, const RuntimeScene& scene, Frame
   const GlobalVolume& wanted = scene.lighting.globalVolume;
   const int resolution = renderer.settings.resolution.value_or(wanted.resolution);
   renderer.grid = globalGrid(wanted.bounds.value_or(scene.bounds), resolution);
-  const Technique technique = renderer.settings.technique;
+  const Technique technique = renderer.settings.technique.technique;
   renderer.apertures = technique == Technique::overcast && hasApertures(scene);
   renderer.transfer = renderer.apertures && hasTransfer(scene);
   renderer.manyObjects = scene.objects.size() > 1;
@@ -253,7 +255,7 @@ void recordLight(VkCommandBuffer commands, FrameRenderer& renderer, const Lighti
   if (targets.baseline) {
     const ScreenView view{seen.clipFromRelative, seen.eye, lighting.skyColour};
     timed(commands, renderer, FramePass::baseline, [&] { recordBaseline(commands, *targets.baseline, renderer.grid, view); });
-    if (denoises(renderer.settings.technique))
+    if (denoises(renderer.settings.technique.technique))
       timed(commands, renderer, FramePass::denoise, [&] { recordDenoise(commands, *targets.baseline, view); });
     return;
   }
@@ -332,7 +334,7 @@ void recordFrame(VkCommandBuffer commands, FrameRenderer& renderer, const Runtim
   const LevelView levels = levelView(view, aspect, renderer.settings.height, renderer.settings.levelError);
   FrameTargets& targets = renderer.targets;
   beginTimedFrame(commands, renderer.timer, 0);
-  const Technique technique = renderer.settings.technique;
+  const Technique technique = renderer.settings.technique.technique;
   const bool composited = readsVolume(technique) && timed(commands, renderer, FramePass::composite,
                                                           [&] { return recordComposite(commands, renderer.composite, placed.occluders); });
   if (composited && technique == Technique::overcast && !targets.aperture)

@@ -36,8 +36,7 @@ struct FrameSettings {
   std::optional<int> taps;        ///< of the estimator; else the scene's
   ApertureMode apertureMode = ApertureMode::accurate;
   std::optional<Daylight> daylight;  ///< else sun and sky stay as the scene has them
-  Technique technique = Technique::overcast;
-  float constant = 0.5f;    ///< sky visibility of Technique::constant, 0 to 1
+  TechniqueSettings technique;
   double levelError = 1.0;  ///< pixels by which meshes with levels of detail may be off (runtime/terrain_levels.h)
 };
 

@@ -38,7 +38,6 @@ FrameSettings frameSettings(const PlayerOptions& options) {
   FrameSettings settings{options.width, options.height,       options.supersample, options.resolution,
                          options.taps,  options.apertureMode, options.daylight};
   settings.technique = options.technique;
-  settings.constant = options.constant;
   settings.levelError = options.levelError;
   return settings;
 }

@@ -55,6 +55,12 @@ std::map<std::string, Technique> techniques() {
   return names;
 }
 
+std::vector<std::string> gtaoQualities() {
+  std::vector<std::string> names;
+  for (const NamedGtaoSearch& quality : kGtaoQualities) names.emplace_back(quality.name);
+  return names;
+}
+
 std::string otherTechniques() {
   std::string names;
   for (const NamedTechnique& named : kTechniques)
@@ -89,6 +95,8 @@ ParsedOptions parseOptions(int argc, char** argv) {
   std::string scene, frames, size, camera, sky;
   int resolution = 0, taps = 0;
   Daylight day;
+  double gtaoRadius = 0.0;
+  std::string gtaoQuality = "medium";
   app.add_option("SCENE", scene, "a scene that overcast-bake wrote (.gltf)");
   app.add_flag("--headless", options.headless, "render pictures without a window");
   app.add_option("--frames", frames, "first:last frame, both included, or one frame (default 0)");
@@ -114,12 +122,18 @@ ParsedOptions parseOptions(int argc, char** argv) {
   app.add_option("--aperture-mode", options.apertureMode,
                  "how lights shine through apertures: exact, smoothstep (as published), fast or accurate (default)")
       ->transform(CLI::CheckedTransformer(kApertureModes, CLI::ignore_case).description(""));
-  app.add_option("--technique", options.technique,
+  app.add_option("--technique", options.technique.technique,
                  "how sky visibility is found: overcast (default: the scene's estimator), or what else there is: " + otherTechniques())
       ->transform(CLI::CheckedTransformer(techniques(), CLI::ignore_case).description(""));
-  app.add_option("--constant", options.constant, "sky visibility of --technique constant")
+  app.add_option("--constant", options.technique.constant, "sky visibility of --technique constant")
       ->check(CLI::Range(0.0, 1.0))
       ->capture_default_str();
+  app.add_option("--gtao-quality", gtaoQuality, "of --technique gtao: low, medium or high")
+      ->check(CLI::IsMember(gtaoQualities()))
+      ->capture_default_str();
+  auto* radiusOption =
+      app.add_option("--gtao-radius", gtaoRadius, "metres that --technique gtao searches (default: twice the width of the scene)")
+          ->check(CLI::Range(1e-9, 1e9));
   auto* hourOption = app.add_option("--time-of-day", day.start, "sun and sky as at this hour, at time 0 (default: as the scene has them)")
                          ->check(CLI::Range(0.0, 24.0));
   app.add_option("--hours-per-second", day.hoursPerSecond, "how fast the day passes, from --time-of-day on")
@@ -148,6 +162,9 @@ ParsedOptions parseOptions(int argc, char** argv) {
     std::tie(options.width, options.height) = sides;
     if (resolutionOption->count() > 0) options.resolution = resolution;
     if (tapsOption->count() > 0) options.taps = taps;
+    for (const NamedGtaoSearch& quality : kGtaoQualities)
+      if (gtaoQuality == quality.name) options.technique.gtaoSearch = quality.search;
+    if (radiusOption->count() > 0) options.technique.gtaoRadius = gtaoRadius;
     if (hourOption->count() > 0) options.daylight = day;
     check(options);
   } catch (const CLI::ParseError& error) {

@@ -41,8 +41,8 @@ struct PlayerOptions {
   int supersample = 2;
   ApertureMode apertureMode = ApertureMode::accurate;
   std::optional<Daylight> daylight;
-  Technique technique = Technique::overcast;
-  float constant = 0.5f;      ///< of Technique::constant
+  std::filesystem::path sky;  ///< an EXR in place of the scene's sky; empty: none
+  TechniqueSettings technique;
   std::filesystem::path sky;  ///< an EXR in place of the scene's sky; empty: none
   double levelError = 1.0;
 };

@@ -76,7 +76,7 @@ std::string json(const PlayerOptions& options, const PlayResult& result) {
                {"device", jsonOf(result.device)},
                {"size", {options.width, options.height}},
                {"supersample", options.supersample},
-               {"technique", nameOf(options.technique)},
+               {"technique", nameOf(options.technique.technique)},
                {"frames", {options.firstFrame, options.lastFrame}},
                {"fps", options.framesPerSecond},
                {"passes", passes},

@@ -165,6 +165,8 @@ TEST_F(PlayerCommand, EndsUsageErrorsWithTwo) {
                                 "scene.gltf --headless --supersample 9",
                                 "scene.gltf --headless --technique magic",
                                 "scene.gltf --headless --constant 2",
+                                "scene.gltf --headless --gtao-quality best",
+                                "scene.gltf --headless --gtao-radius 0",
                                 "scene.gltf --nonsense"}) {
     const ShellResult result = play(arguments);
     EXPECT_EQ(result.exitCode, 2) << arguments << ": " << result.output;
