@@ -40,6 +40,8 @@ Program programOf(Technique technique) {
       return {{"runtime/passes/rays/rays.comp.glsl", {{"OVERCAST_RAYS", "16"}}}, sizeof(shared::RaysPush)};
     case Technique::rays64:
       return {{"runtime/passes/rays/rays.comp.glsl", {{"OVERCAST_RAYS", "64"}}}, sizeof(shared::RaysPush)};
+    case Technique::surfels:
+      return {{"runtime/passes/surfels/surfels.comp.glsl", {}}, sizeof(shared::SurfelPush)};
   }
   OVERCAST_REQUIRE(false, "technique {} is no baseline", nameOf(technique));
 }
@@ -74,12 +76,21 @@ Result<Done> fill(const Device& device, const BaselineInputs& inputs, Baseline& 
     if (!made) return made;
   }
   const bool volume = readsVolume(baseline.settings.technique);
+  const bool surfels = baseline.settings.technique == Technique::surfels;
+  OVERCAST_REQUIRE(!surfels || inputs.surfels, "{} without their pass", nameOf(baseline.settings.technique));
   std::vector<Binding> own;
+  if (surfels)
+    for (std::uint32_t i = 0; i < 2; ++i) own.push_back({kFirstScreenBinding + i, VK_DESCRIPTOR_TYPE_STORAGE_BUFFER});
   if (volume) own.push_back({kFirstScreenBinding, VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER});
   Result<ScreenPass> light = makeScreenPass(device, inputs.images, denoises(baseline.settings.technique) ? baseline.raw : inputs.light,
                                             program.shader, own, program.pushBytes);
   if (!light) return light.error();
   baseline.light = std::move(light).value();
+  if (surfels) {
+    baseline.surfels = inputs.surfels->placedCount;
+    writeBuffer(device, baseline.light.set, kFirstScreenBinding, inputs.surfels->placed);
+    writeBuffer(device, baseline.light.set, kFirstScreenBinding + 1, inputs.surfels->lights);
+  }
   if (!volume) return Done{};
   const Result<VkSampler> trilinear = makeSampler(device, VK_FILTER_LINEAR);
   if (!trilinear) return trilinear.error();
@@ -123,6 +134,11 @@ void recordBaseline(VkCommandBuffer commands, const Baseline& baseline, const Gl
       recordScreenPass(commands, baseline.light, shared::ConeTracingPush{fromClip, sky(shared::tracedConeRatio(reach))});
       break;
     }
+    case Technique::surfels:
+      recordScreenPass(
+          commands, baseline.light,
+          surfelPush(baseline.surfels, baseline.settings.surfelNearness, glm::mat4(glm::inverse(view.clipFromRelative)), view.skyColour));
+      break;
     default:
       recordScreenPass(commands, baseline.light, shared::RaysPush{fromClip, sky(0.0f)});
   }

@@ -5,6 +5,7 @@
 
 #include "runtime/passes/composite/global_grid.h"
 #include "runtime/passes/screen/screen_pass.h"
+#include "runtime/passes/surfels/surfel_pass.h"
 #include "runtime/technique.h"
 #include "runtime/vulkan/device.h"
 
@@ -12,8 +13,9 @@ namespace overcast {
 
 struct Baseline {
   TechniqueSettings settings;
-  ScreenPass light;    ///< writes the light image, or `raw` where `denoise` follows
-  ScreenPass denoise;  ///< of techniques that denoises() names
+  std::uint32_t surfels = 0;  ///< placed nodes of Technique::surfels
+  ScreenPass light;           ///< writes the light image, or `raw` where `denoise` follows
+  ScreenPass denoise;         ///< of techniques that denoises() names
   GpuImage raw;
   VkSampler trilinear = VK_NULL_HANDLE;  ///< of techniques that read the volume
 };
@@ -21,16 +23,17 @@ struct Baseline {
 /// What the passes read and write; all must outlive them.
 struct BaselineInputs {
   const GeometryImages& images;
-  const GpuImage& light;   ///< makeLightImage
-  const GpuImage& volume;  ///< CompositePass::volume; looked at where readsVolume(technique)
+  const GpuImage& light;                ///< makeLightImage
+  const GpuImage& volume;               ///< CompositePass::volume; looked at where readsVolume(technique)
+  const SurfelPass* surfels = nullptr;  ///< of Technique::surfels
 };
 
 /// The passes of a technique, which is not Technique::overcast.
 Result<Baseline> makeBaseline(const Device& device, const TechniqueSettings& settings, const BaselineInputs& inputs);
 void destroyBaseline(const Device& device, Baseline& baseline);
 
-/// Records the pass that finds visibility, and light where no denoising follows; after recordGeometry, and recordComposite of the volume in
-/// `grid`.
+/// Records the pass that finds visibility, and light where no denoising follows; after recordGeometry, and after recordComposite of the
+/// volume in `grid` or recordSurfels where the technique reads their work.
 void recordBaseline(VkCommandBuffer commands, const Baseline& baseline, const GlobalGrid& grid, const ScreenView& view);
 
 /// Records the pass after it; only where denoises(technique).

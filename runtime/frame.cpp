@@ -27,6 +27,8 @@ Result<Done> checkSettings(const FrameSettings& settings) {
     return Error{"", "", fmt::format("a sky visibility of {} is outside 0 to 1", constant)};
   if (const double radius = settings.technique.gtaoRadius.value_or(1.0); !(radius > 0.0))
     return Error{"", "", fmt::format("a radius of {} m is not above 0", radius)};
+  if (const double nearness = settings.technique.surfelNearness; !(nearness > 0.0 && nearness <= 1e3))
+    return Error{"", "", fmt::format("a nearness of {} radii is outside 0 to 1000", nearness)};
   return Done{};
 }
 
@@ -58,7 +60,7 @@ Result<Done> makeTargets(const Device& device, FrameRenderer& renderer) {
   const GpuBuffer* sky = renderer.sky.buffer ? &renderer.sky : nullptr;
   if (done) done = take(makeLightImage(device, targets.images), targets.light);
   if (done && settings.technique.technique != Technique::overcast) {
-    const BaselineInputs inputs{targets.images, targets.light, renderer.composite.volume};
+    const BaselineInputs inputs{targets.images, targets.light, renderer.composite.volume, renderer.surfels ? &*renderer.surfels : nullptr};
     done = take(makeBaseline(device, settings.technique, inputs), targets.baseline.emplace());
   } else if (done) {
     done = take(makeShadePass(device, targets.images, targets.light, renderer.pyramid, renderer.taps, sky), targets.shade);
@@ -85,6 +87,8 @@ const char* nameOf(FramePass pass, Technique technique) {
       return "tonemap";
     case FramePass::aperture:
       return "aperture";
+    case FramePass::surfelGather:
+      return "surfel-gather";
     case FramePass::denoise:
       return "denoise";
     case FramePass::baseline:
@@ -97,6 +101,7 @@ std::vector<FramePass> passesOf(Technique technique, bool apertures) {
   if (technique != Technique::overcast) {
     std::vector<FramePass> passes{FramePass::geometry, FramePass::tonemap, FramePass::baseline};
     if (readsVolume(technique)) passes.insert(passes.begin(), FramePass::composite);
+    if (technique == Technique::surfels) passes.push_back(FramePass::surfelGather);
     if (denoises(technique)) passes.push_back(FramePass::denoise);
     return passes;
   }
@@ -135,6 +140,8 @@ Result<Done> fillRenderer(const Device& device, const RuntimeScene& scene, Frame
   const auto objects = static_cast<std::uint32_t>(scene.objects.size());
   if (done && readsVolume(technique)) done = take(makeAssetStore(device, scene.assets), renderer.store);
   if (done && readsVolume(technique)) done = take(makeCompositePass(device, renderer.grid, renderer.store, objects), renderer.composite);
+  if (done && technique == Technique::surfels)
+    done = take(makeSurfelPass(device, scene, renderer.settings.technique.surfelNearness), renderer.surfels.emplace());
   if (done && technique == Technique::overcast)
     done = take(makePyramidPass(device, renderer.composite.volume, renderer.taps.count), renderer.pyramid);
   if (done)
@@ -163,11 +170,12 @@ bool timed(VkCommandBuffer commands, FrameRenderer& renderer, FramePass pass, co
   return ran;
 }
 
-/// The records of all objects at one time, for both passes that want them.
+/// The records of all objects at one time, for the passes that want them.
 struct Placed {
   std::vector<shared::CompositeObject> occluders;
   std::vector<shared::GeometryInstance> instances;
   std::vector<shared::TransferInstance> transfers;  ///< as many, of scenes with transfer
+  std::vector<glm::dmat4> worldFromCentre;          ///< each object's mesh about its centre
 };
 
 /// Sun, lamps and sky at one time.
@@ -203,6 +211,7 @@ Placed placeObjects(const FrameRenderer& renderer, const RuntimeScene& scene, co
       placed.occluders.push_back(compositeObject(renderer.store.entries[object.asset], node, renderer.grid));
     glm::dmat4 fromCentre = node;
     fromCentre[3] = node * glm::dvec4(scene.meshes[object.mesh].centre, 1.0);
+    placed.worldFromCentre.push_back(fromCentre);
     placed.instances.push_back(geometryInstance(fromCentre, eye(view)));
     if (renderer.transfer) placed.transfers.push_back(transferInstance(scene.meshes[object.mesh], sky, node));
   }
@@ -301,6 +310,7 @@ void destroyFrameRenderer(const Device& device, FrameRenderer& renderer) {
   destroyBuffer(device, renderer.sky);
   destroyPyramidPass(device, renderer.pyramid);
   destroyCompositePass(device, renderer.composite);
+  if (renderer.surfels) destroySurfelPass(device, *renderer.surfels);
   destroyAssetStore(device, renderer.store);
   renderer = {};
 }
@@ -343,6 +353,9 @@ void recordFrame(VkCommandBuffer commands, FrameRenderer& renderer, const Runtim
     recordGeometry(commands, renderer.geometry, targets.images, placed.instances, drawsOf(scene, nodes, levels), glm::mat4(clip),
                    placed.transfers);
   });
+  if (renderer.surfels)
+    timed(commands, renderer, FramePass::surfelGather,
+          [&] { recordSurfels(commands, *renderer.surfels, placed.worldFromCentre, eye(view), lighting.skyColour); });
   recordLight(commands, renderer, lighting, nodes, {clip, eye(view)});
   const TonemapView shown{glm::mat4(glm::inverse(clip)), lighting.skyColour, lighting.up, lighting.exposure};
   timed(commands, renderer, FramePass::tonemap, [&] { recordTonemap(commands, targets.tonemap, shown); });

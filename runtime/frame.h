@@ -42,7 +42,7 @@ struct FrameSettings {
 
 /// The passes of a frame. With Technique::overcast they are indices into what renderFrame returns, which ends before `aperture` where the
 /// scene has none; other techniques have those of these that they need, in this order. `baseline` is named as the technique.
-enum class FramePass { composite, pyramid, geometry, shade, tonemap, aperture, baseline, denoise };
+enum class FramePass { composite, pyramid, geometry, shade, tonemap, aperture, surfelGather, baseline, denoise };
 
 /// What depends on the size of the picture.
 struct FrameTargets {
@@ -64,6 +64,7 @@ struct FrameRenderer {
   GlobalGrid grid;
   AssetStore store;
   CompositePass composite;
+  std::optional<SurfelPass> surfels;  ///< of Technique::surfels
   PyramidPass pyramid;
   GeometryPass geometry;
   GpuBuffer sky;  ///< a shared::SkyLight, mapped; null: the sky is uniform

@@ -15,6 +15,7 @@ enum class Technique {
   coneTracing,  ///< nine cones through the global volume
   rays16,       ///< rays through the global volume
   rays64,
+  surfels,  ///< discs on the surfaces that shadow each other and bounce light
 };
 
 /// How finely Technique::gtao searches, in each of the sixteen pixels that share their samples.
@@ -39,6 +40,7 @@ struct TechniqueSettings {
   float constant = 0.5f;  ///< sky visibility of Technique::constant, 0 to 1
   GtaoSearch gtaoSearch;
   std::optional<double> gtaoRadius;  ///< metres, above 0; else twice the global volume's longest side
+  double surfelNearness = 4.0;       ///< radii within which Technique::surfels looks at what a disc stands for, above 0
 };
 
 struct NamedTechnique {
@@ -47,12 +49,13 @@ struct NamedTechnique {
 };
 
 /// As --technique and the report name them; in the order of Technique.
-inline constexpr std::array<NamedTechnique, 6> kTechniques{{{"overcast", Technique::overcast},
+inline constexpr std::array<NamedTechnique, 7> kTechniques{{{"overcast", Technique::overcast},
                                                             {"constant", Technique::constant},
                                                             {"gtao", Technique::gtao},
                                                             {"cone-tracing", Technique::coneTracing},
                                                             {"rays16", Technique::rays16},
-                                                            {"rays64", Technique::rays64}}};
+                                                            {"rays64", Technique::rays64},
+                                                            {"surfels", Technique::surfels}}};
 
 constexpr const char* nameOf(Technique technique) {
   return kTechniques[static_cast<std::size_t>(technique)].name;
@@ -60,7 +63,7 @@ constexpr const char* nameOf(Technique technique) {
 
 /// Whether the technique reads the global volume; for the others none is made.
 constexpr bool readsVolume(Technique technique) {
-  return technique != Technique::constant && technique != Technique::gtao;
+  return technique != Technique::constant && technique != Technique::gtao && technique != Technique::surfels;
 }
 
 /// Whether pixels take turns with their samples, so that the denoise pass must follow.

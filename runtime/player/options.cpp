@@ -134,6 +134,10 @@ ParsedOptions parseOptions(int argc, char** argv) {
   auto* radiusOption =
       app.add_option("--gtao-radius", gtaoRadius, "metres that --technique gtao searches (default: twice the width of the scene)")
           ->check(CLI::Range(1e-9, 1e9));
+  app.add_option("--surfel-nearness", options.technique.surfelNearness,
+                 "radii within which --technique surfels looks at what a disc stands for: more is slower and finer")
+      ->check(CLI::Range(1e-3, 1e3))
+      ->capture_default_str();
   auto* hourOption = app.add_option("--time-of-day", day.start, "sun and sky as at this hour, at time 0 (default: as the scene has them)")
                          ->check(CLI::Range(0.0, 24.0));
   app.add_option("--hours-per-second", day.hoursPerSecond, "how fast the day passes, from --time-of-day on")

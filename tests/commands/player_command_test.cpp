@@ -167,6 +167,7 @@ TEST_F(PlayerCommand, EndsUsageErrorsWithTwo) {
                                 "scene.gltf --headless --constant 2",
                                 "scene.gltf --headless --gtao-quality best",
                                 "scene.gltf --headless --gtao-radius 0",
+                                "scene.gltf --headless --surfel-nearness 0",
                                 "scene.gltf --nonsense"}) {
     const ShellResult result = play(arguments);
     EXPECT_EQ(result.exitCode, 2) << arguments << ": " << result.output;

@@ -69,7 +69,7 @@ class Baselines : public test::DeviceTest {
     GpuImage volume = test::uploadField(device, field);
     GeometryImages images = test::uploadGround(device, groundOnly, from);
     GpuImage out = makeLightImage(device, images).value();
-    Baseline baseline = makeBaseline(device, {technique, constant, {}, {}}, {images, out, volume}).value();
+    Baseline baseline = makeBaseline(device, TechniqueSettings{technique, constant}, {images, out, volume}).value();
     const Result<Done> done = runCommands(device, [&](VkCommandBuffer commands) {
       recordBaseline(commands, baseline, from.grid, view);
       if (denoises(technique)) recordDenoise(commands, baseline, view);

@@ -181,7 +181,7 @@ TEST_F(Frames, OfEveryTechniqueRunWhatItNeedsAndLeaveTheSkysVisibility) {
   const fs::path file = writeBakedScene(temporaryFolder());
   for (const NamedTechnique& named : kTechniques) {
     if (named.technique == Technique::overcast) continue;
-    settings.technique = {named.technique, 0.25f, {}, {}};
+    settings.technique = {named.technique, 0.25f};
     open(file, settings);
     const std::vector<PassTime> times = render(0.0);
     const auto has = [&](const std::string& name) {
@@ -209,7 +209,7 @@ TEST_F(Frames, OfEveryTechniqueRunWhatItNeedsAndLeaveTheSkysVisibility) {
   const Result<RuntimeScene> loaded = loadScene(device, file);
   ASSERT_TRUE(loaded.ok());
   scene = loaded.value();
-  settings.technique = {Technique::constant, 1.5f, {}, {}};
+  settings.technique = {Technique::constant, 1.5f};
   EXPECT_FALSE(makeFrameRenderer(device, scene, settings).ok()) << "more sky than there is";
 }
 
