@@ -55,11 +55,11 @@ std::vector<PassStatistics> statistics(const std::vector<std::vector<PassTime>>&
 
 std::string table(const PlayResult& result) {
   std::string lines = fmt::format("device: {} ({}, {})\n", result.device.name, result.device.kind, result.device.driver);
-  lines += fmt::format("{:<10} {:>12} {:>12} {:>8} {:>8}\n", "pass", "median ms", "p95 ms", "frames", "skipped");
+  lines += fmt::format("{:<13} {:>12} {:>12} {:>8} {:>8}\n", "pass", "median ms", "p95 ms", "frames", "skipped");
   for (const PassStatistics& pass : statistics(result.frames)) {
     const std::string median = pass.frames > 0 ? fmt::format("{:.3f}", pass.median) : "-";
     const std::string p95 = pass.frames > 0 ? fmt::format("{:.3f}", pass.p95) : "-";
-    lines += fmt::format("{:<10} {:>12} {:>12} {:>8} {:>8}\n", pass.name, median, p95, pass.frames, pass.skipped);
+    lines += fmt::format("{:<13} {:>12} {:>12} {:>8} {:>8}\n", pass.name, median, p95, pass.frames, pass.skipped);
   }
   return lines;
 }

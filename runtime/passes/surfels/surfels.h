@@ -17,8 +17,6 @@
 
 OVERCAST_SHARED_BEGIN
 
-const float kSurfelPi = 3.14159265f;
-
 /// A disc, or the disc that stands for a subtree; nodes of a tree lie in depth-first order.
 struct Surfel {
   vec4 place;   //  0: xyz: centre; w: area / pi, the square of its radius
