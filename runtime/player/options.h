@@ -41,7 +41,6 @@ struct PlayerOptions {
   int supersample = 2;
   ApertureMode apertureMode = ApertureMode::accurate;
   std::optional<Daylight> daylight;
-  std::filesystem::path sky;  ///< an EXR in place of the scene's sky; empty: none
   TechniqueSettings technique;
   std::filesystem::path sky;  ///< an EXR in place of the scene's sky; empty: none
   double levelError = 1.0;
