@@ -63,7 +63,7 @@ TEST(TerrainCommand, SaysWhatItCannotUse) {
   std::ofstream(folder / "bad.asc") << "ncols 2\nnrows 2\ncellsize 1\n1 2 3";
   const auto bad = shell(kBake + " bad.asc -o out", folder);
   EXPECT_EQ(bad.exitCode, 3);
-  EXPECT_THAT(bad.output, HasSubstr("bad.asc: line 4: the file is cut short"));
+  EXPECT_THAT(bad.output, HasSubstr("bad.asc: is cut short: 4 values"));
   EXPECT_FALSE(fs::exists(folder / "out/scene.gltf"));
   for (const char* option : {"--terrain-height 5", "--terrain-height 5:5", "--terrain-spacing 0"})
     EXPECT_EQ(shell(kBake + " " + kTerrain + " -o out " + option, folder).exitCode, 2) << option;
