@@ -73,15 +73,6 @@ std::vector<SurfacePoint> vertexOrigins(const Mesh& mesh, const Points& points) 
   return origins;
 }
 
-ApertureSample sampleOf(const PointVisibility& seen) {
-  ApertureSample sample;
-  sample.direction = glm::dvec3(seen.direction);
-  sample.radius = double{capRadius(double{seen.visible})};
-  sample.ambient = double{seen.ambient};
-  std::copy(seen.transfer.begin(), seen.transfer.end(), sample.transfer.begin());
-  return sample;
-}
-
 void add(ApertureSample& sum, const ApertureSample& sample, double weight) {
   sum.direction += weight * sample.direction;
   sum.radius += weight * sample.radius;
@@ -141,20 +132,9 @@ ApertureSample interpolated(const std::vector<ApertureSample>& vertices, const F
 }
 
 InterpolationError errorOf(const std::vector<ApertureSample>& vertices, const std::vector<FitSample>& observed) {
-  InterpolationError sum;
-  double directions = 0.0;
-  for (const FitSample& at : observed) {
-    const ApertureSample shown = interpolated(vertices, at);
-    sum.radius += std::pow(shown.radius - at.seen.radius, 2.0);
-    sum.ambient += std::pow(shown.ambient - at.seen.ambient, 2.0);
-    if (at.seen.radius <= 0.0) continue;
-    const glm::dvec3 across = glm::cross(shown.direction, at.seen.direction);
-    sum.direction += std::pow(std::atan2(glm::length(across), glm::dot(shown.direction, at.seen.direction)), 2.0);
-    directions += 1.0;
-  }
-  const auto rms = [](double total, double count) { return count > 0.0 ? std::sqrt(total / count) : 0.0; };
-  const auto count = static_cast<double>(observed.size());
-  return {rms(sum.radius, count), rms(sum.ambient, count), rms(sum.direction, directions)};
+  std::vector<std::pair<ApertureSample, ApertureSample>> pairs;
+  for (const FitSample& at : observed) pairs.emplace_back(interpolated(vertices, at), at.seen);
+  return interpolationError(pairs);
 }
 
 bool isCoarse(const InterpolationError& error) {
@@ -288,6 +268,31 @@ Result<BakedApertures> bakeApertures(const Mesh& mesh, const ApertureSettings& s
   auto scene = makeRayScene(mesh);
   if (!scene) return scene.error();
   return bakeApertures(mesh, {scene.value().get(), nullptr}, settings, progress);
+}
+
+ApertureSample sampleOf(const PointVisibility& seen) {
+  ApertureSample sample;
+  sample.direction = glm::dvec3(seen.direction);
+  sample.radius = double{capRadius(double{seen.visible})};
+  sample.ambient = double{seen.ambient};
+  std::copy(seen.transfer.begin(), seen.transfer.end(), sample.transfer.begin());
+  return sample;
+}
+
+InterpolationError interpolationError(std::span<const std::pair<ApertureSample, ApertureSample>> shownAndSeen) {
+  InterpolationError sum;
+  double directions = 0.0;
+  for (const auto& [shown, seen] : shownAndSeen) {
+    sum.radius += std::pow(shown.radius - seen.radius, 2.0);
+    sum.ambient += std::pow(shown.ambient - seen.ambient, 2.0);
+    if (seen.radius <= 0.0) continue;
+    const glm::dvec3 across = glm::cross(shown.direction, seen.direction);
+    sum.direction += std::pow(std::atan2(glm::length(across), glm::dot(shown.direction, seen.direction)), 2.0);
+    directions += 1.0;
+  }
+  const auto rms = [](double total, double count) { return count > 0.0 ? std::sqrt(total / count) : 0.0; };
+  const auto count = static_cast<double>(shownAndSeen.size());
+  return {rms(sum.radius, count), rms(sum.ambient, count), rms(sum.direction, directions)};
 }
 
 std::vector<SurfaceSample> sampleSurface(const Mesh& mesh, std::uint64_t count, std::uint64_t seed) {

@@ -4,6 +4,8 @@
 #include <array>
 #include <cstdint>
 #include <optional>
+#include <span>
+#include <utility>
 #include <vector>
 
 #include "bake/progress.h"
@@ -76,6 +78,11 @@ struct SurfaceSample {
   std::uint32_t triangle = 0;
   glm::dvec3 weight{1.0, 0.0, 0.0};
 };
+
+ApertureSample sampleOf(const PointVisibility& seen);
+
+/// Of pairs of what is shown, whose directions may have any length, and what is seen there. Zeros when there are none.
+InterpolationError interpolationError(std::span<const std::pair<ApertureSample, ApertureSample>> shownAndSeen);
 
 /// Points evenly at random over the area of the triangles; the same on every machine. Empty when there is no area.
 std::vector<SurfaceSample> sampleSurface(const Mesh& mesh, std::uint64_t count, std::uint64_t seed);

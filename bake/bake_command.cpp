@@ -81,7 +81,8 @@ class Run {
     if (!options_.quiet) {
       job.context.done = [&](const MeshBake& mesh) { say(mesh); };
       job.lit = [&](const MeshBake& mesh) {
-        if (mesh.apertures) say(mesh.source, *mesh.apertures);
+        if (mesh.apertures) bar_.line(fmt::format("{}: {}", mesh.source, summaryLine(*mesh.apertures)));
+        if (mesh.apertureMap) bar_.line(fmt::format("{}: {}", mesh.source, summaryLine(*mesh.apertureMap)));
       };
       job.read = [&](const InputReport& input) { say(input.path.filename().string(), input.notes); };
     }
@@ -91,8 +92,6 @@ class Run {
   void say(const std::string& source, const std::vector<std::string>& notes) {
     for (const std::string& note : notes) bar_.line(fmt::format("{}: note: {}", source, note));
   }
-
-  void say(const std::string& source, const ApertureReport& apertures) { bar_.line(fmt::format("{}: {}", source, summaryLine(apertures))); }
 
   void say(const MeshBake& mesh) {
     if (mesh.asset) {

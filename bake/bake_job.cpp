@@ -95,8 +95,10 @@ class Runner {
   JobReport finished(JobOutcome outcome) {
     report_.outcome = outcome;
     report_.bake.scene = {};
-    for (MeshBake& mesh : report_.bake.meshes)
+    for (MeshBake& mesh : report_.bake.meshes) {
       if (mesh.asset) mesh.asset->bytes = {};
+      mesh.mapBytes = {};
+    }
     return std::move(report_);
   }
 

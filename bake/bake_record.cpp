@@ -54,11 +54,17 @@ void fields(Archive& archive, ApertureReport& report) {
 }
 
 template <class Archive>
+void fields(Archive& archive, ApertureMapReport& report) {
+  auto& [size, traced, covered, overlapping, charts, interior, shut, rays, seconds, bytes, levels, samples, error] = report;
+  archive(size, traced, covered, overlapping, charts, interior, shut, rays, seconds, bytes, levels, samples, error);
+}
+
+template <class Archive>
 void fields(Archive& archive, MeshBake& bake) {
   auto& [mesh, input, source, sameAs, hash, faces, seconds, cached, asset, volume, found, ambiguousSign, sheetTriangles, surface, inBox,
-         choice, apertures, error, occluder] = bake;
+         choice, apertures, apertureMap, mapBytes, error, occluder] = bake;
   archive(mesh, input, source, sameAs, hash, faces, seconds, asset, volume, found, ambiguousSign, sheetTriangles, surface, inBox, choice,
-          apertures, occluder);
+          apertures, apertureMap, occluder);
 }
 
 template <class Archive>

@@ -101,11 +101,29 @@ Json toJson(const ApertureReport& report) {
           {"sampled", toJson(report.sampled)}, {"error", toJson(report.error)}};
 }
 
+Json toJson(const ApertureMapReport& report) {
+  return {{"width", report.size.x},
+          {"height", report.size.y},
+          {"traced", report.traced},
+          {"covered", report.covered},
+          {"overlapping", report.overlapping},
+          {"charts", report.charts},
+          {"interior", report.interior},
+          {"shut", report.shut},
+          {"rays", report.rays},
+          {"seconds", report.seconds},
+          {"bytes", report.bytes},
+          {"levels", report.levels},
+          {"samples", report.samples},
+          {"error", toJson(report.error)}};
+}
+
 Json toJson(const SceneBake& bake, const MeshBake& mesh) {
   const MeshBake& owner = mesh.sameAs < 0 ? mesh : bake.meshes[static_cast<std::size_t>(mesh.sameAs)];
   Json json = {{"source", mesh.source}, {"faces", mesh.faces},     {"shared", mesh.sameAs >= 0},
                {"cached", mesh.cached}, {"seconds", mesh.seconds}, {"settingsHash", mesh.hash}};
   if (mesh.apertures) json["apertures"] = toJson(*mesh.apertures);
+  if (mesh.apertureMap) json["apertureMap"] = toJson(*mesh.apertureMap);
   if (!owner.asset) return json;
   json["found"] = toJson(owner.found);
   json["surface"] = toJson(owner.surface);
@@ -157,6 +175,17 @@ std::string summaryLine(const ApertureReport& report) {
   line += fmt::format(", between vertices rms {:.3f} rad of radius, {:.3f} of sky light", report.error.radius, report.error.ambient);
   if (report.fitted) line += fmt::format(" (fitted; unfitted {:.3f}, {:.3f})", report.sampled.radius, report.sampled.ambient);
   return line;
+}
+
+std::string summaryLine(const ApertureMapReport& report) {
+  std::string line = fmt::format("aperture map: {}x{}, {} in {}", report.size.x, report.size.y, counted(report.covered, "texel", "texels"),
+                                 counted(report.charts, "chart", "charts"));
+  if (report.overlapping > 0) line += fmt::format(", {} claimed twice", grouped(report.overlapping));
+  if (report.interior > 0) line += fmt::format(", {} in solids", grouped(report.interior));
+  if (report.shut > 0) line += fmt::format(", {} shut", grouped(report.shut));
+  line += fmt::format(", {:.2f} s, {} bytes", report.seconds, grouped(report.bytes));
+  if (report.samples == 0) return line;
+  return line + fmt::format(", between texels rms {:.3f} rad of radius, {:.3f} of sky light", report.error.radius, report.error.ambient);
 }
 
 std::string choiceJson(const ChoiceRecord& record) {

@@ -19,6 +19,10 @@ std::string summaryLine(const MeshBake& mesh);
 /// "apertures: 34,817 vertices, 12 in solids, 3 shut, 0.41 s, between vertices rms 0.012 rad of radius, 0.008 of sky light"
 std::string summaryLine(const ApertureReport& report);
 
+/// "aperture map: 512x512, 180,312 texels in 1 chart, 12 in solids, 3 shut, 2.10 s, 1,234,567 bytes, between texels rms 0.012 rad of
+/// radius, 0.008 of sky light"
+std::string summaryLine(const ApertureMapReport& report);
+
 /// The record as JSON text: diagonal, withinLimits, chosen (an index), scores.
 std::string choiceJson(const ChoiceRecord& record);
 

@@ -122,6 +122,9 @@ void inspectNodes(const Scene& scene, Findings& findings) {
       json["mesh"] = {{"name", mesh.name}, {"faces", mesh.triangles.size()}, {"bounds", toJson(bounds(mesh))}};
       line += fmt::format(", mesh '{}' of {} faces", mesh.name, grouped(mesh.triangles.size()));
       if (!node.occluder) line += ", no occluder";
+      if (mesh.visibility) line += ", apertures at vertices";
+      if (mesh.apertureMap) line += fmt::format(", apertures in {}", mesh.apertureMap->uri);
+      if (mesh.apertureMap) json["mesh"]["apertureMap"] = Json::parse(apertureJson(*mesh.apertureMap));
     }
     if (node.camera >= 0) {
       json["camera"] = scene.cameras[static_cast<std::size_t>(node.camera)].name;

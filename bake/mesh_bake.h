@@ -4,8 +4,10 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "bake/aperture.h"
+#include "bake/aperture_map.h"
 #include "bake/choose.h"
 #include "bake/examine.h"
 #include "bake/volume.h"
@@ -48,12 +50,14 @@ struct MeshBake {
   std::optional<EncodedAsset> asset;  ///< as stored; empty when shared or failed
   std::optional<VolumeShape> volume;  ///< of a volume
   MeshDiagnosis found;
-  double ambiguousSign = 0.0;               ///< BakedVolume or Probes
-  std::uint64_t sheetTriangles = 0;         ///< BakedVolume
-  SurfaceReport surface;                    ///< thin: a voxel of a volume, a hundredth of the diagonal of anything else
-  std::optional<MeasuredError> inBox;       ///< BakedVolume::error, without choice
-  std::optional<ChoiceRecord> choice;       ///< with choice
-  std::optional<ApertureReport> apertures;  ///< where vertices were given apertures (bake/scene_apertures.h)
+  double ambiguousSign = 0.0;                    ///< BakedVolume or Probes
+  std::uint64_t sheetTriangles = 0;              ///< BakedVolume
+  SurfaceReport surface;                         ///< thin: a voxel of a volume, a hundredth of the diagonal of anything else
+  std::optional<MeasuredError> inBox;            ///< BakedVolume::error, without choice
+  std::optional<ChoiceRecord> choice;            ///< with choice
+  std::optional<ApertureReport> apertures;       ///< where vertices were given apertures (bake/scene_apertures.h)
+  std::optional<ApertureMapReport> apertureMap;  ///< where the mesh was given a map of them
+  std::vector<std::byte> mapBytes;               ///< its file, until it is written
   std::optional<Error> error;
   Occluder occluder;  ///< with `asset`: all of it but the uri and the source, which writeBake fills in
 };

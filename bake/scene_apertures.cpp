@@ -6,6 +6,7 @@
 
 #include <glm/matrix.hpp>
 
+#include "formats/files.h"
 #include "formats/normals.h"
 
 namespace overcast {
@@ -68,7 +69,7 @@ Error failureOf(const SceneBake& bake, const MeshBake& job, const std::string& r
 }
 
 /// Normals and trees of all meshes that are shown.
-Stage setStage(SceneBake& bake, const std::vector<char>& moving, Occluding occluders) {
+Stage setStage(SceneBake& bake, const std::vector<char>& moving, const SceneApertureSettings& settings) {
   Stage stage;
   stage.trees.resize(bake.scene.meshes.size());
   stage.world = worldFromLocal(bake.scene, 0.0);
@@ -81,22 +82,50 @@ Stage setStage(SceneBake& bake, const std::vector<char>& moving, Occluding occlu
     Mesh& mesh = bake.scene.meshes[at(job.mesh)];
     if (mesh.normals.empty()) mesh = withNormals(std::move(mesh));
     mendNormals(mesh);
+    if (settings.map) {
+      const auto laidOut = layOut(mesh, *settings.map);
+      if (!laidOut) job.error = failureOf(bake, job, laidOut.error().reason);
+      if (!laidOut) continue;
+    }
     auto tree = makeRayScene(mesh, family);
     if (!tree) job.error = failureOf(bake, job, tree.error().reason);
     if (!tree) continue;
     stage.trees[at(job.mesh)] = std::move(tree).value();
     family = stage.trees[at(job.mesh)].get();
   }
-  for (std::size_t n = 0; n < moving.size() && occluders == Occluding::scene; ++n) {
+  for (std::size_t n = 0; n < moving.size() && settings.occluders == Occluding::scene; ++n) {
     const int mesh = bake.scene.nodes[n].mesh;
     if (!moving[n] && mesh >= 0 && stage.trees[at(mesh)]) stage.resting.push_back(static_cast<int>(n));
   }
   return stage;
 }
 
+void giveVertices(MeshBake& job, Mesh& mesh, BakedApertures baked) {
+  mesh.visibility = std::move(baked.visibility);
+  mesh.apertureMap.reset();
+  job.apertures = baked.report;
+}
+
+void giveMap(MeshBake& job, Mesh& mesh, BakedApertureMap baked) {
+  job.mapBytes = encodeApertureMap(baked.map);
+  baked.report.bytes = job.mapBytes.size();
+  job.apertureMap = baked.report;
+  mesh.visibility.reset();
+  ApertureLink& link = mesh.apertureMap.emplace();
+  link.contentHash = contentHash(job.mapBytes);
+  link.bytes = job.mapBytes.size();
+  if (baked.report.samples == 0) return;
+  link.radiusError = baked.report.error.radius;
+  link.ambientError = baked.report.error.ambient;
+  link.directionError = baked.report.error.direction;
+}
+
 }  // namespace
 
 std::string settingsText(const SceneApertureSettings& settings) {
+  if (const auto& map = settings.map)
+    return fmt::format("aperture maps: rays {} texels {} atlas {} samples {} seed {} occluders {}", map->visibility.rays, map->texels,
+                       map->atlas, map->errorSamples, map->seed, static_cast<int>(settings.occluders));
   const ApertureSettings& aperture = settings.aperture;
   return fmt::format("apertures: rays {} transfer {} bits {} samples {} seed {} occluders {}", aperture.visibility.rays,
                      aperture.visibility.transfer, static_cast<int>(aperture.bits), aperture.errorSamples, aperture.seed,
@@ -106,7 +135,7 @@ std::string settingsText(const SceneApertureSettings& settings) {
 void bakeSceneApertures(SceneBake& bake, const SceneApertureSettings& settings, const Progress& progress, const MeshDone& done) {
   const std::vector<char> moving = movingNodes(bake.scene);
   if (settings.occluders == Occluding::scene) separateMeshes(bake, moving);
-  const Stage stage = setStage(bake, moving, settings.occluders);
+  const Stage stage = setStage(bake, moving, settings);
   const auto count = static_cast<double>(bake.meshes.size());
   for (std::size_t i = 0; i < bake.meshes.size(); ++i) {
     MeshBake& job = bake.meshes[i];
@@ -115,15 +144,17 @@ void bakeSceneApertures(SceneBake& bake, const SceneApertureSettings& settings, 
     if (!others) job.error = failureOf(bake, job, others.error().reason);
     if (!others) continue;
     Mesh& mesh = bake.scene.meshes[at(job.mesh)];
+    const Occluders occluders{stage.trees[at(job.mesh)].get(), others.value().get()};
     bool stopped = false;
-    BakedApertures baked =
-        bakeApertures(mesh, {stage.trees[at(job.mesh)].get(), others.value().get()}, settings.aperture, [&](double share) {
-          if (progress && !progress((static_cast<double>(i) + share) / count)) stopped = true;
-          return !stopped;
-        });
+    const Progress share = [&](double part) {
+      if (progress && !progress((static_cast<double>(i) + part) / count)) stopped = true;
+      return !stopped;
+    };
+    if (settings.map)
+      giveMap(job, mesh, bakeApertureMap(mesh, occluders, *settings.map, share));
+    else
+      giveVertices(job, mesh, bakeApertures(mesh, occluders, settings.aperture, share));
     if (stopped) return;
-    mesh.visibility = std::move(baked.visibility);
-    job.apertures = baked.report;
     if (done) done(job);
   }
 }

@@ -1,6 +1,7 @@
-// Scene apertures: every mesh of a scene under bake gets apertures at its vertices.
+// Scene apertures: every mesh of a scene under bake gets apertures, at its vertices or in a map over it.
 #pragma once
 
+#include <optional>
 #include <string>
 
 #include "bake/aperture.h"
@@ -12,14 +13,16 @@ namespace overcast {
 enum class Occluding { self, scene };
 
 struct SceneApertureSettings {
-  ApertureSettings aperture;
+  ApertureSettings aperture;               ///< at vertices
+  std::optional<ApertureMapSettings> map;  ///< given: maps, and nothing at vertices
   Occluding occluders = Occluding::self;
 };
 
 /// All settings that change what is baked, as text: equal exactly when all of them are.
 std::string settingsText(const SceneApertureSettings& settings);
 
-/// Bakes apertures into all meshes that nodes show, one after the other on all threads, and notes the reports in SceneBake::meshes. Meshes
+/// Bakes apertures into all meshes that nodes show, one after the other on all threads, and notes the reports in SceneBake::meshes; maps
+/// land in MeshBake::mapBytes and lack their uri, which writeBake fills in. Meshes
 /// without normals get them first (formats/normals.h; creases split vertices). Points and directions are in the mesh's own space: under a
 /// node that scales unevenly its apertures are approximate.
 ///

@@ -116,6 +116,14 @@ Result<fs::path> copySky(SceneBake& bake, const fs::path& folder) {
   return file;
 }
 
+/// Writes the aperture map of a mesh and names it there.
+Result<fs::path> writeMapOf(MeshBake& job, Mesh& mesh, const fs::path& folder) {
+  mesh.apertureMap->uri = fmt::format("apertures/{}-{}.exr", fileNameOf(mesh.name), mesh.apertureMap->contentHash.substr(0, 8));
+  const auto written = writeFileAtomically(folder / mesh.apertureMap->uri, job.mapBytes);
+  if (!written) return written.error();
+  return folder / mesh.apertureMap->uri;
+}
+
 /// Takes the mesh from the cache, or bakes it and keeps it there.
 Result<Done> obtainMesh(MeshBake& job, const Mesh& mesh, const BakeSettings& settings, const BakeContext& context,
                         const Progress& progress) {
@@ -258,6 +266,11 @@ Result<std::vector<fs::path>> writeBake(SceneBake& bake, const fs::path& folder,
       auto written = writeAssetOf(baked, bake.scene.meshes[static_cast<std::size_t>(baked.mesh)].name, folder);
       if (!written) return written.error();
       if (!baked.occluder.uri.empty()) files.push_back(folder / baked.occluder.uri);
+    }
+    if (!mesh.mapBytes.empty()) {
+      auto written = writeMapOf(mesh, bake.scene.meshes[static_cast<std::size_t>(mesh.mesh)], folder);
+      if (!written) return written.error();
+      files.push_back(std::move(written).value());
     }
     mesh.occluder = baked.occluder;
     for (Node& node : bake.scene.nodes)

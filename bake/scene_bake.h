@@ -66,9 +66,9 @@ void dropFailedInputs(SceneBake& bake);
 std::string outputName(const std::vector<std::filesystem::path>& inputs);
 
 /// Writes folder/<name>.gltf, <name>-<hash>.bin and the files of the occluders (volumes/<mesh>-<hash>.vdb; other representations in folders
-/// of theirs), a copy of the sky image (skies/<image>-<hash>.exr), and returns their paths, the scene last. All but the scene are named by
-/// what they hold and the scene replaces an older one only when all of it is on disk: whoever kills the process finds the old scene or the
-/// new one, whole.
+/// of theirs, aperture maps in apertures/), a copy of the sky image (skies/<image>-<hash>.exr), and returns their paths, the scene last.
+/// All but the scene are named by what they hold and the scene replaces an older one only when all of it is on disk: whoever kills the
+/// process finds the old scene or the new one, whole.
 Result<std::vector<std::filesystem::path>> writeBake(SceneBake& bake, const std::filesystem::path& folder, const std::string& name);
 
 }  // namespace overcast

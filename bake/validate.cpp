@@ -5,6 +5,7 @@
 
 #include <glm/geometric.hpp>
 
+#include "formats/aperture_map.h"
 #include "formats/asset.h"
 #include "formats/extension_json.h"
 #include "formats/files.h"
@@ -121,6 +122,11 @@ Result<std::vector<std::string>> validate(const fs::path& path) {
     const auto image = skyFile(path.parent_path(), lighting->skyImage);
     const Result<SkyHarmonics> sky = image ? readSky(image.value()) : Result<SkyHarmonics>(image.error());
     if (!sky) findings.push_back(message(sky.error()));
+  }
+  for (const Mesh& mesh : scene.value().meshes) {
+    if (!mesh.apertureMap) continue;
+    const auto map = readApertureMap(path.parent_path(), *mesh.apertureMap);
+    if (!map) findings.push_back(fmt::format("{}: mesh '{}': {}", path.string(), mesh.name, message(map.error())));
   }
   if (meshNodes == 0) findings.push_back(path.string() + ": holds no mesh");
   return findings;

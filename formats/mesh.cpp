@@ -31,19 +31,21 @@ Parser parserOf(const std::filesystem::path& path) {
   return nullptr;
 }
 
-/// What crosses the pipe: this, then the positions, then the triangles.
+/// What crosses the pipe: this, then the positions, the triangles and the texture coordinates.
 struct PackedHeader {
   std::uint64_t positions = 0;
   std::uint64_t triangles = 0;
+  std::uint64_t coordinates = 0;
   MeshReadReport report;
 };
 
 std::vector<std::byte> packed(const MeshFile& file) {
-  const PackedHeader header{file.mesh.positions.size(), file.mesh.triangles.size(), file.report};
+  const PackedHeader header{file.mesh.positions.size(), file.mesh.triangles.size(), file.mesh.textureCoordinates.size(), file.report};
   const std::span<const std::byte> parts[] = {std::as_bytes(std::span(&header, 1)), std::as_bytes(std::span(file.mesh.positions)),
-                                              std::as_bytes(std::span(file.mesh.triangles))};
+                                              std::as_bytes(std::span(file.mesh.triangles)),
+                                              std::as_bytes(std::span(file.mesh.textureCoordinates))};
   std::vector<std::byte> bytes;
-  bytes.reserve(parts[0].size() + parts[1].size() + parts[2].size());
+  bytes.reserve(parts[0].size() + parts[1].size() + parts[2].size() + parts[3].size());
   for (const auto& part : parts) bytes.insert(bytes.end(), part.begin(), part.end());
   return bytes;
 }
@@ -56,7 +58,8 @@ Result<MeshFile> unpacked(const std::vector<std::byte>& bytes) {
   std::memcpy(&header, bytes.data(), sizeof header);
   const std::size_t body = bytes.size() - sizeof header;
   if (header.positions > body / sizeof(glm::dvec3) || header.triangles > body / sizeof(glm::uvec3) ||
-      header.positions * sizeof(glm::dvec3) + header.triangles * sizeof(glm::uvec3) != body) {
+      (header.coordinates != 0 && header.coordinates != header.positions) ||
+      header.positions * sizeof(glm::dvec3) + header.triangles * sizeof(glm::uvec3) + header.coordinates * sizeof(glm::vec2) != body) {
     return nonsense;
   }
   MeshFile file;
@@ -67,9 +70,14 @@ Result<MeshFile> unpacked(const std::vector<std::byte>& bytes) {
   std::copy_n(at, header.positions * sizeof(glm::dvec3), reinterpret_cast<std::byte*>(file.mesh.positions.data()));
   at += header.positions * sizeof(glm::dvec3);
   std::copy_n(at, header.triangles * sizeof(glm::uvec3), reinterpret_cast<std::byte*>(file.mesh.triangles.data()));
+  at += header.triangles * sizeof(glm::uvec3);
+  file.mesh.textureCoordinates.resize(header.coordinates);
+  std::copy_n(at, header.coordinates * sizeof(glm::vec2), reinterpret_cast<std::byte*>(file.mesh.textureCoordinates.data()));
   const auto inRange = [&](const glm::uvec3& t) { return std::max({t.x, t.y, t.z}) < header.positions; };
   if (!std::all_of(file.mesh.triangles.begin(), file.mesh.triangles.end(), inRange)) return nonsense;
   if (!std::all_of(file.mesh.positions.begin(), file.mesh.positions.end(), isFinite)) return nonsense;
+  const auto isPlace = [](const glm::vec2& c) { return isFinite(glm::dvec3(c, 0.0)); };
+  if (!std::all_of(file.mesh.textureCoordinates.begin(), file.mesh.textureCoordinates.end(), isPlace)) return nonsense;
   return file;
 }
 

@@ -82,7 +82,8 @@ bool isMeshFile(const std::filesystem::path& path);
 /// checked. Polygons are triangulated (concave ones by ear clipping). Faces with fewer than three corners, with bad indices or with
 /// non-finite vertices are left out and counted; a non-finite vertex itself stays in place as zero, so that indices keep their meaning.
 /// An Error when the file cannot be read, is cut short, or holds no usable triangle. (OBJ declares no counts: a cut between two of its
-/// lines cannot be seen.) Vertices are kept as the file has them (STL: three per triangle); parts is one run without material.
+/// lines cannot be seen.) Vertices are kept as the file has them (STL: three per triangle), but for those of OBJ with several texture
+/// coordinates, which are split where all faces have some (the v of OBJ points up: it becomes 1 - v); parts is one run without material.
 ///
 /// OpenMesh 9 reads the faces of OBJ. It does not read the other formats here, because measured against real files it keeps single floats
 /// only, welds or drops what it reads, takes cut files for whole, refuses legal ones (comments before OFF, bare returns, strips) and hangs

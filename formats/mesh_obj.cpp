@@ -6,6 +6,7 @@
 #include <OpenMesh/Core/IO/reader/OBJReader.hh>
 #include <cstdlib>
 #include <iterator>
+#include <limits>
 #include <optional>
 #include <sstream>
 #include <string>
@@ -106,7 +107,34 @@ bool nextLine(TextScanner& scanner, LogicalLine& line) {
 struct FaceText {
   std::string text;
   std::uint64_t faces = 0;
+  std::vector<glm::vec2> coordinates;  ///< of the file's texture; not finite where they cannot be read
+  std::vector<MappedCorner> corners;   ///< of all faces
+  std::vector<std::uint64_t> faceEnds;
 };
+
+/// The place that an index of OBJ names, 1 for the first of `count` so far or -1 for the last one.
+std::uint32_t placeOf(std::int64_t index, std::size_t count) {
+  return toCorner(index < 0 ? static_cast<std::int64_t>(count) + index : index - 1);
+}
+
+/// u and v of a texture coordinate, v upwards; one that is not a number is of no use, but no reason to refuse the mesh.
+void addCoordinate(TextScanner words, FaceText& out) {
+  const std::optional<double> u = toDouble(nextWordOnLine(words));
+  const std::string_view second = nextWordOnLine(words);
+  const std::optional<double> v = second.empty() ? 0.0 : toDouble(second);
+  constexpr double kNone = std::numeric_limits<double>::infinity();
+  out.coordinates.emplace_back(u.value_or(kNone), 1.0 - v.value_or(kNone));
+}
+
+/// The corner that a word like 3, 3/7, 3//9 or 3/7/9 names.
+MappedCorner cornerOf(std::string_view word, std::int64_t vertex, std::size_t vertices, std::size_t coordinates) {
+  MappedCorner corner{placeOf(vertex, vertices), kBadIndex};
+  const std::size_t slash = word.find('/');
+  if (slash == std::string_view::npos) return corner;
+  const std::string_view rest = word.substr(slash + 1);
+  if (const auto index = toInteger(rest.substr(0, rest.find('/')))) corner.coordinate = placeOf(*index, coordinates);
+  return corner;
+}
 
 Result<Done> addVertex(TextScanner words, const LogicalLine& line, RawMesh& mesh) {
   const std::string place = fmt::format("line {}", line.number);
@@ -124,9 +152,9 @@ Result<Done> addVertex(TextScanner words, const LogicalLine& line, RawMesh& mesh
   return Done{};
 }
 
-/// Passes a face on to OpenMesh without the texture and normal indices, which name lines that it is not given. An index that an int
-/// cannot hold becomes 0, which names no vertex: OpenMesh would misread it.
-Result<Done> addFace(TextScanner words, const LogicalLine& line, FaceText& out) {
+/// Passes a face on to OpenMesh without the texture and normal indices, which name lines that it is not given, and keeps the former. An
+/// index that an int cannot hold becomes 0, which names no vertex: OpenMesh would misread it.
+Result<Done> addFace(TextScanner words, const LogicalLine& line, std::size_t vertices, FaceText& out) {
   const std::string place = fmt::format("line {}", line.number);
   out.text += 'f';
   int corners = 0;
@@ -134,9 +162,11 @@ Result<Done> addFace(TextScanner words, const LogicalLine& line, FaceText& out) 
     const std::optional<std::int64_t> index = toInteger(word.substr(0, word.find('/')));
     if (!index) return Error{"", place, fmt::format("'{}' is not a corner of a face", shown(word))};
     fmt::format_to(std::back_inserter(out.text), " {}", std::abs(*index) < kBadIndex / 2 ? *index : 0);
+    if (!out.coordinates.empty()) out.corners.push_back(cornerOf(word, *index, vertices, out.coordinates.size()));
   }
   out.text += '\n';
   ++out.faces;
+  out.faceEnds.push_back(out.corners.size());
   if (corners < 3 && !line.ended) {
     return Error{"", place, "is cut short: ends in the middle of a face"};
   }
@@ -155,7 +185,9 @@ Result<FaceText> scan(std::string_view text, RawMesh& mesh) {
       added = addVertex(words, line, mesh);
       out.text += "v 0 0 0\n";
     } else if (keyword == "f" || keyword == "fo") {
-      added = addFace(words, line, out);
+      added = addFace(words, line, mesh.positions.size(), out);
+    } else if (keyword == "vt") {
+      addCoordinate(words, out);
     }
     if (!added) return added.error();
   }
@@ -179,6 +211,7 @@ Result<RawMesh> parseObj(std::string_view text) {
   const std::uint64_t given = mesh.faceEnds.size() + mesh.shortFaces;
   if (given > faces.faces) return Error{"", "", "OpenMesh finds more faces than the file has"};
   mesh.shortFaces += faces.faces - given;
+  if (!faces.coordinates.empty()) mapCorners(mesh, faces.coordinates, faces.corners, faces.faceEnds);
   return mesh;
 }
 

@@ -58,6 +58,7 @@ Result<MeshFile> finishMesh(RawMesh raw) {
     position = glm::dvec3(0.0);
   }
   file.mesh.positions = std::move(raw.positions);
+  file.mesh.textureCoordinates = std::move(raw.textureCoordinates);
   return file;
 }
 

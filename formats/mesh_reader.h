@@ -6,6 +6,7 @@
 #include <string_view>
 #include <vector>
 
+#include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
 
 #include "formats/mesh.h"
@@ -19,9 +20,10 @@ inline constexpr std::uint32_t kBadIndex = std::numeric_limits<std::uint32_t>::m
 /// Polygons as the file has them: nothing is checked against the number of vertices, positions may be infinite.
 struct RawMesh {
   std::vector<glm::dvec3> positions;
-  std::vector<std::uint32_t> corners;   ///< vertex indices of all faces, one after another
-  std::vector<std::uint64_t> faceEnds;  ///< face f has the corners [faceEnds[f - 1], faceEnds[f])
-  std::uint64_t shortFaces = 0;         ///< faces with fewer than three corners, already left out
+  std::vector<std::uint32_t> corners;              ///< vertex indices of all faces, one after another
+  std::vector<std::uint64_t> faceEnds;             ///< face f has the corners [faceEnds[f - 1], faceEnds[f])
+  std::uint64_t shortFaces = 0;                    ///< faces with fewer than three corners, already left out
+  std::vector<glm::vec2> textureCoordinates = {};  ///< empty or one per position, finite
 };
 
 bool isFinite(const glm::dvec3& p);
@@ -31,6 +33,19 @@ std::uint32_t toCorner(std::int64_t index);
 
 /// Ends the face whose corners were appended since the last call; one with fewer than three is taken back and counted.
 void endFace(RawMesh& mesh);
+
+/// A corner of a face as a file with texture coordinates has it: indices that may name nothing.
+struct MappedCorner {
+  std::uint32_t vertex = kBadIndex;
+  std::uint32_t coordinate = kBadIndex;
+};
+
+/// Gives `mesh` the texture coordinates that the corners of its faces name. `corners` are those of all faces of the file, faceEnds as in
+/// RawMesh; some of the faces the mesh may have lost, and corners that repeat a vertex of their face. Vertices with several coordinates are
+/// split: the first keeps its place, the others follow all vertices. Leaves the mesh alone when a face whose vertices are there lacks a
+/// finite coordinate, or the faces are not those of the mesh.
+void mapCorners(RawMesh& mesh, const std::vector<glm::vec2>& coordinates, const std::vector<MappedCorner>& corners,
+                const std::vector<std::uint64_t>& faceEnds);
 
 /// One reader for each format. Error::place says where; Error::file is filled in by the caller. Files cut short are an Error.
 Result<RawMesh> parseObj(std::string_view text);

@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "formats/aperture.h"
+#include "formats/aperture_map.h"
 #include "formats/scene.h"
 #include "tests/commands/bake_fixture.h"
 #include "tests/reference/shapes.h"
@@ -134,6 +135,40 @@ TEST_F(ApertureCommand, DetailsWithoutAperturesAreRefused) {
   }
   EXPECT_EQ(bake("ring.off --apertures texel").exitCode, 2);
   EXPECT_FALSE(fs::exists(folder / "out"));
+}
+
+TEST_F(ApertureCommand, AnAtlasBecomesAFileThatTheSceneNames) {
+  const ShellResult result = bake("ring.off box.off --apertures texel --atlas --texels 128 --rays 128");
+  ASSERT_EQ(result.exitCode, 0) << result.output;
+  EXPECT_THAT(result.output, HasSubstr("ring.off: aperture map: 128x128"));
+  const Scene read = scene();
+  for (const Mesh& mesh : read.meshes) {
+    EXPECT_FALSE(mesh.visibility);
+    ASSERT_TRUE(mesh.apertureMap);
+    EXPECT_EQ(mesh.textureCoordinates.size(), mesh.positions.size());
+    EXPECT_GE(mesh.apertureMap->ambientError, 0.0);
+    const auto map = readApertureMap(folder / "out", *mesh.apertureMap);
+    ASSERT_TRUE(map) << message(map.error());
+    EXPECT_EQ(map.value().size, glm::ivec2(128));
+  }
+  EXPECT_EQ(shell(fmt::format("{} validate out/scene.gltf", kBake), folder).exitCode, 0);
+  EXPECT_THAT(shell(fmt::format("{} inspect out/scene.gltf", kBake), folder).output, HasSubstr("apertures in apertures/ring-"));
+  // A map that was lost comes back, and one that was changed is found.
+  const fs::path file = folder / "out" / read.meshes[0].apertureMap->uri;
+  fs::resize_file(file, 100);
+  EXPECT_NE(shell(fmt::format("{} validate out/scene.gltf", kBake), folder).exitCode, 0);
+  fs::remove(file);
+  ASSERT_EQ(bake("ring.off box.off --apertures texel --atlas --texels 128 --rays 128").exitCode, 0);
+  EXPECT_TRUE(fs::exists(file));
+}
+
+TEST_F(ApertureCommand, MeshesWithoutCoordinatesNeedAnAtlasAndDetailsTheirKind) {
+  const ShellResult result = bake("box.off --apertures texel --texels 32");
+  EXPECT_NE(result.exitCode, 0);
+  EXPECT_THAT(result.output, HasSubstr("box.off: box: has no texture coordinates on all its triangles; --atlas"));
+  EXPECT_THAT(bake("box.off --apertures vertex --atlas").output, HasSubstr("--atlas needs --apertures texel"));
+  EXPECT_THAT(bake("box.off --apertures texel --transfer").output, HasSubstr("--transfer needs --apertures vertex"));
+  EXPECT_THAT(bake("ring.off --apertures texel --atlas --texels 32").output, HasSubstr("--texels 128 holds them"));
 }
 
 }  // namespace
