@@ -146,7 +146,8 @@ Result<Done> fillRenderer(const Device& device, const RuntimeScene& scene, Frame
     done = take(makePyramidPass(device, renderer.composite.volume, renderer.taps.count), renderer.pyramid);
   if (done)
     done = take(makeGeometryPass(device, scene.vertices, scene.indices, objects, renderer.apertures ? scene.apertures : GpuBuffer{},
-                                 renderer.transfer ? scene.transfers : GpuBuffer{}),
+                                 renderer.transfer ? scene.transfers : GpuBuffer{},
+                                 renderer.apertures ? std::span(scene.maps) : std::span<const ApertureMapImages>()),
                 renderer.geometry);
   if (done && scene.sky)
     done = take(makeBuffer(device, sizeof(shared::SkyLight), VK_BUFFER_USAGE_STORAGE_BUFFER_BIT, MemoryUse::upload), renderer.sky);

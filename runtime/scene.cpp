@@ -1,6 +1,7 @@
 #include "runtime/scene.h"
 
 #include <algorithm>
+#include <bit>
 #include <map>
 
 #include "formats/extension_json.h"
@@ -58,8 +59,13 @@ float ambientAt(const VertexVisibility& visibility, std::size_t vertex, const gl
   return shared::capCosine(side, aperture.direction, aperture.radius) / shared::kCapPi;
 }
 
-/// Apertures of all vertices of a mesh; those without see the whole hemisphere.
+/// Apertures of all vertices of a mesh, or their texture coordinates where it has a map; those without see the whole hemisphere.
 void appendApertures(const Mesh& mesh, Geometry& geometry) {
+  if (mesh.apertureMap) {
+    for (const glm::vec2& c : mesh.textureCoordinates)
+      geometry.apertures.push_back(std::bit_cast<std::uint32_t>(c.x) | std::uint64_t{std::bit_cast<std::uint32_t>(c.y)} << 32);
+    return;
+  }
   const VertexVisibility* visibility = mesh.visibility ? &*mesh.visibility : nullptr;
   const bool baked = visibility && !visibility->apertures.empty();
   for (std::size_t i = 0; i < mesh.positions.size(); ++i) {
@@ -79,7 +85,7 @@ void appendTransfer(const Mesh& mesh, std::int32_t vertexOffset, Geometry& geome
     geometry.transfers.insert(geometry.transfers.end(), transfer.begin(), transfer.end());
 }
 
-void appendMesh(const Scene& scene, const Mesh& mesh, Geometry& geometry, SceneMesh& out) {
+void appendMesh(const Scene& scene, const Mesh& mesh, int map, Geometry& geometry, SceneMesh& out) {
   out.centre = centre(bounds(mesh));
   const auto vertexOffset = static_cast<std::int32_t>(geometry.vertices.size() / shared::kVertexFloats);
   for (std::size_t i = 0; i < mesh.positions.size(); ++i) {
@@ -94,6 +100,7 @@ void appendMesh(const Scene& scene, const Mesh& mesh, Geometry& geometry, SceneM
     draw.firstIndex = static_cast<std::uint32_t>(geometry.indices.size() + std::size_t{3} * part.firstTriangle);
     draw.indexCount = 3 * part.triangleCount;
     draw.vertexOffset = vertexOffset;
+    draw.map = map;
     draw.baseColour = part.material < 0 ? Material{}.baseColour : scene.materials[static_cast<std::size_t>(part.material)].baseColour;
     out.parts.push_back(draw);
   }
@@ -112,7 +119,29 @@ Result<Done> upload(const Device& device, const std::vector<T>& values, VkBuffer
   return Done{};
 }
 
+/// Reads and uploads the aperture maps that meshes name, each once; [i]: the place of mesh i's, or -1.
+Result<std::vector<int>> uploadMaps(const Device& device, const fs::path& path, RuntimeScene& scene) {
+  std::map<std::string, int> known;
+  std::vector<int> maps;
+  for (const Mesh& mesh : scene.scene.meshes) {
+    maps.push_back(-1);
+    if (!mesh.apertureMap) continue;
+    const auto [entry, fresh] = known.emplace(mesh.apertureMap->uri, static_cast<int>(scene.maps.size()));
+    maps.back() = entry->second;
+    if (!fresh) continue;
+    const auto map = readApertureMap(path.parent_path(), *mesh.apertureMap);
+    if (!map) return map.error();
+    auto images = uploadApertureMap(device, map.value());
+    if (!images) return Error{path.string(), mesh.apertureMap->uri, images.error().reason};
+    scene.maps.push_back(std::move(images).value());
+  }
+  return maps;
+}
+
 Result<Done> uploadMeshes(const Device& device, const fs::path& path, RuntimeScene& scene) {
+  const auto mapsOfMeshes = uploadMaps(device, path, scene);
+  if (!mapsOfMeshes) return mapsOfMeshes.error();
+  const std::vector<int>& maps = mapsOfMeshes.value();
   Geometry geometry;
   scene.meshes.resize(scene.scene.meshes.size());
   std::uint64_t vertexBytes = 0;
@@ -127,7 +156,8 @@ Result<Done> uploadMeshes(const Device& device, const fs::path& path, RuntimeSce
     transferBytes += transfer ? scene.scene.meshes[i].positions.size() * sizeof(visibility->transfer[0]) : 0;
     triangles += used[i] ? scene.scene.meshes[i].triangles.size() : 0;
     if (const auto& levels = scene.scene.meshes[i].levels; used[i] && levels) triangles += levels->triangles.size();
-    geometry.withApertures |= transfer || (used[i] && visibility && !visibility->apertures.empty());
+    geometry.withApertures |=
+        (used[i] && scene.scene.meshes[i].apertureMap) || transfer || (used[i] && visibility && !visibility->apertures.empty());
   }
   const std::uint64_t most = device.properties.limits.maxStorageBufferRange;
   if (std::max(vertexBytes, transferBytes) > most || triangles > UINT32_MAX / 3)
@@ -136,7 +166,7 @@ Result<Done> uploadMeshes(const Device& device, const fs::path& path, RuntimeSce
                              std::max(vertexBytes, transferBytes), triangles, device.info.name, most)};
   for (std::size_t i = 0; i < used.size(); ++i) {
     Mesh& mesh = scene.scene.meshes[i];
-    if (used[i]) appendMesh(scene.scene, mesh, geometry, scene.meshes[i]);
+    if (used[i]) appendMesh(scene.scene, mesh, maps[i], geometry, scene.meshes[i]);
     mesh = Mesh{mesh.name, {}, {}, {}, {}, {}};
   }
   Result<Done> done = upload(device, geometry.vertices, VK_BUFFER_USAGE_STORAGE_BUFFER_BIT, scene.vertices);
@@ -193,6 +223,7 @@ void destroyScene(const Device& device, RuntimeScene& scene) {
   destroyBuffer(device, scene.indices);
   destroyBuffer(device, scene.apertures);
   destroyBuffer(device, scene.transfers);
+  for (ApertureMapImages& map : scene.maps) destroyApertureMap(device, map);
   scene = {};
 }
 

@@ -44,11 +44,12 @@ struct RuntimeScene {
   std::vector<SceneObject> objects;  ///< ordered by mesh, then by node
   GpuBuffer vertices;                ///< shared::kVertexFloats floats each
   GpuBuffer indices;                 ///< uint32
-  /// The 8-byte packing of formats/shared/aperture.h for each vertex; null where no mesh has apertures. Meshes without see the whole
-  /// hemisphere.
+  /// The 8-byte packing of formats/shared/aperture.h for each vertex, or the texture coordinates of a mesh with a map; null where no
+  /// mesh has apertures or a map. Meshes without see the whole hemisphere.
   GpuBuffer apertures;
-  GpuBuffer transfers;              ///< 9 floats for each vertex of meshes that have them; null where none has
-  std::optional<SkyHarmonics> sky;  ///< of the lighting's sky image; none: Lighting::skyColour from everywhere
+  GpuBuffer transfers;                  ///< 9 floats for each vertex of meshes that have them; null where none has
+  std::optional<SkyHarmonics> sky;      ///< of the lighting's sky image; none: Lighting::skyColour from everywhere
+  std::vector<ApertureMapImages> maps;  ///< that GeometryDraw::map names; meshes that name the same file share it
 };
 
 inline bool hasApertures(const RuntimeScene& scene) {

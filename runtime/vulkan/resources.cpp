@@ -302,6 +302,36 @@ Result<Done> uploadImage(const Device& device, const GpuImage& image, std::span<
   return copied;
 }
 
+Result<Done> uploadLevels(const Device& device, const GpuImage& image, std::span<const std::vector<std::byte>> levels,
+                          const Access& after) {
+  OVERCAST_REQUIRE(levels.size() == image.mips, "{} levels for {} mips", levels.size(), image.mips);
+  std::vector<std::byte> all;
+  std::vector<VkBufferImageCopy2> regions;
+  for (std::uint32_t mip = 0; mip < image.mips; ++mip) {
+    OVERCAST_REQUIRE(levels[mip].size() == mipBytes(image, mip), "{} bytes for a mip of {}", levels[mip].size(), mipBytes(image, mip));
+    all.resize((all.size() + 15) / 16 * 16);  // offsets are multiples of a texel
+    regions.push_back(wholeMip(image, mip));
+    regions.back().bufferOffset = all.size();
+    all.insert(all.end(), levels[mip].begin(), levels[mip].end());
+  }
+  Result<GpuBuffer> staging = makeBuffer(device, all.size(), 0, MemoryUse::upload);
+  if (!staging) return staging.error();
+  std::memcpy(staging.value().mapped, all.data(), all.size());
+  const Result<Done> copied = runCommands(device, [&](VkCommandBuffer commands) {
+    transition(commands, image, kNothingYet, kTransferWrite);
+    VkCopyBufferToImageInfo2 copy{VK_STRUCTURE_TYPE_COPY_BUFFER_TO_IMAGE_INFO_2};
+    copy.srcBuffer = staging.value().buffer;
+    copy.dstImage = image.image;
+    copy.dstImageLayout = kTransferWrite.layout;
+    copy.regionCount = image.mips;
+    copy.pRegions = regions.data();
+    vkCmdCopyBufferToImage2(commands, &copy);
+    transition(commands, image, kTransferWrite, after);
+  });
+  destroyBuffer(device, staging.value());
+  return copied;
+}
+
 Result<std::vector<std::byte>> readImage(const Device& device, const GpuImage& image, const Access& now, std::uint32_t mip) {
   Result<GpuBuffer> staging = makeBuffer(device, mipBytes(image, mip), 0, MemoryUse::readback);
   if (!staging) return staging.error();

@@ -117,6 +117,8 @@ void transition(VkCommandBuffer commands, const GpuImage& image, const Access& f
 /// Fills mip `mip` with tightly packed texels and leaves the whole image in `after`; waits. Mips not written before are undefined.
 Result<Done> uploadImage(const Device& device, const GpuImage& image, std::span<const std::byte> texels, const Access& after,
                          std::uint32_t mip = 0);
+/// Fills all mips, level by level, likewise.
+Result<Done> uploadLevels(const Device& device, const GpuImage& image, std::span<const std::vector<std::byte>> levels, const Access& after);
 /// Tightly packed texels of one mip; the image is in `now` before and after; waits.
 Result<std::vector<std::byte>> readImage(const Device& device, const GpuImage& image, const Access& now, std::uint32_t mip = 0);
 

@@ -1,11 +1,20 @@
-// OVERCAST_APERTURES: with the interpolated aperture, packed. OVERCAST_TRANSFER: with the interpolated sky light.
+// OVERCAST_APERTURES: with the interpolated aperture, packed. OVERCAST_APERTURE_MAPS: with the one that a map has here.
+// OVERCAST_TRANSFER: with the interpolated sky light.
 #version 460
 #include "runtime/passes/geometry/geometry.h"
 
 #ifdef OVERCAST_APERTURES
 #include "runtime/passes/aperture/aperture.h"
+#ifdef OVERCAST_APERTURE_MAPS
+layout(binding = 1, std430) readonly buffer Instances { GeometryInstance instances[]; };
+layout(binding = 3) uniform sampler2D capMap;
+layout(binding = 4) uniform sampler2D ambientMap;
+layout(location = 2) in vec2 coordinate;
+layout(location = 3) flat in uint instanceIndex;
+#else
 layout(location = 2) in vec3 aperture;
 layout(location = 3) in vec2 radiusAmbient;
+#endif
 layout(location = 2) out uvec2 outAperture;
 #endif
 
@@ -31,6 +40,12 @@ void main() {
   const vec3 face = size > 0.0 ? cross(stepX / size, stepY / size) : vec3(0.0);
   outNormal = vec4(facingNormal(normal, face, -relative), 1.0);
   outColour = vec4(push.baseColour.rgb, 1.0);
+#ifdef OVERCAST_APERTURE_MAPS
+  const vec4 cap = texture(capMap, coordinate);
+  const GeometryInstance instance = instances[instanceIndex];
+  const vec3 aperture = vec3(dot(instance.rowX.xyz, cap.xyz), dot(instance.rowY.xyz, cap.xyz), dot(instance.rowZ.xyz, cap.xyz));
+  const vec2 radiusAmbient = vec2(cap.w * kApertureWidest, texture(ambientMap, coordinate).r);
+#endif
 #ifdef OVERCAST_APERTURES
   const float squared = dot(aperture, aperture);
   const vec3 axis = squared > 0.0 ? aperture / sqrt(squared) : outNormal.xyz;

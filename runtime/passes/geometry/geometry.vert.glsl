@@ -1,4 +1,5 @@
-// OVERCAST_APERTURES: with each vertex's aperture (8-byte packing, local space), turned into the world.
+// OVERCAST_APERTURES: with each vertex's aperture (8-byte packing, local space), turned into the world. OVERCAST_APERTURE_MAPS: with its
+// texture coordinates, which lie in the place of the aperture.
 // OVERCAST_TRANSFER: with the sky light of vertices that have transfer.
 #version 460
 #include "runtime/passes/geometry/geometry.h"
@@ -14,8 +15,13 @@ layout(binding = 1, std430) readonly buffer Instances {
 layout(binding = 2, std430) readonly buffer Apertures {
   uvec2 apertures[];
 };
+#ifdef OVERCAST_APERTURE_MAPS
+layout(location = 2) out vec2 coordinate;
+layout(location = 3) flat out uint instanceIndex;
+#else
 layout(location = 2) out vec3 aperture;
 layout(location = 3) out vec2 radiusAmbient;
+#endif
 #endif
 #ifdef OVERCAST_TRANSFER
 layout(binding = 5, std430) readonly buffer Transfers {
@@ -40,7 +46,10 @@ void main() {
   const GeometryInstance instance = instances[gl_InstanceIndex];
   relative = vec3(dot(instance.rowX, local), dot(instance.rowY, local), dot(instance.rowZ, local));
   normal = vec3(dot(instance.normalX.xyz, localNormal), dot(instance.normalY.xyz, localNormal), dot(instance.normalZ.xyz, localNormal));
-#ifdef OVERCAST_APERTURES
+#if defined(OVERCAST_APERTURE_MAPS)
+  coordinate = uintBitsToFloat(apertures[gl_VertexIndex]);
+  instanceIndex = uint(gl_InstanceIndex);
+#elif defined(OVERCAST_APERTURES)
   const uvec2 code = apertures[gl_VertexIndex];
   const vec4 cap = apertureFromWords(code.x, code.y);
   aperture = normalize(vec3(dot(instance.rowX.xyz, cap.xyz), dot(instance.rowY.xyz, cap.xyz), dot(instance.rowZ.xyz, cap.xyz)));

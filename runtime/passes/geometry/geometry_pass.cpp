@@ -25,6 +25,7 @@ constexpr VkFormat kColourFormat = VK_FORMAT_R8G8B8A8_SRGB;
 constexpr VkFormat kApertureFormat = VK_FORMAT_R32G32_UINT;
 constexpr VkFormat kSkyLightFormat = VK_FORMAT_R16G16B16A16_SFLOAT;
 
+constexpr std::uint32_t kMapBinding = 3;
 constexpr std::uint32_t kTransferBinding = 5;
 
 Result<GpuImage> makeTarget(const Device& device, VkExtent2D size, VkFormat format, VkImageUsageFlags usage) {
@@ -73,7 +74,7 @@ void beginRendering(VkCommandBuffer commands, const GeometryImages& images) {
   vkCmdSetScissor(commands, 0, 1, &info.renderArea);
 }
 
-GraphicsSettings settingsOf(const GeometryExtras& extras) {
+GraphicsSettings settingsOf(const GeometryExtras& extras, bool maps = false) {
   GraphicsSettings settings;
   settings.vertex = {"runtime/passes/geometry/geometry.vert.glsl", {}};
   settings.fragment = {"runtime/passes/geometry/geometry.frag.glsl", {}};
@@ -85,6 +86,10 @@ GraphicsSettings settingsOf(const GeometryExtras& extras) {
   for (Shader* shader : {&settings.vertex, &settings.fragment}) shader->defines.push_back({"OVERCAST_APERTURES", "1"});
   settings.bindings.push_back({2, VK_DESCRIPTOR_TYPE_STORAGE_BUFFER});
   settings.colours.push_back(kApertureFormat);
+  for (Shader* shader : {&settings.vertex, &settings.fragment})
+    if (maps) shader->defines.push_back({"OVERCAST_APERTURE_MAPS", "1"});
+  for (const std::uint32_t binding : {kMapBinding, kMapBinding + 1})
+    if (maps) settings.bindings.push_back({binding, VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER});
   if (!extras.transfer) return settings;
   for (Shader* shader : {&settings.vertex, &settings.fragment}) shader->defines.push_back({"OVERCAST_TRANSFER", "1"});
   settings.bindings.push_back({kTransferBinding, VK_DESCRIPTOR_TYPE_STORAGE_BUFFER});
@@ -127,9 +132,50 @@ void destroyGeometryImages(const Device& device, GeometryImages& images) {
   destroyImage(device, images.skyLight);
 }
 
+namespace {
+
+/// What every set of the pass reads beside the buffers that the pass owns.
+struct SetBuffers {
+  const GpuBuffer& vertices;
+  const GpuBuffer& apertures;
+  const GpuBuffer& transfer;
+};
+
+void writeBuffers(const Device& device, const GeometryPass& pass, const SetBuffers& buffers, const DescriptorSet& set) {
+  writeBuffer(device, set, 0, buffers.vertices);
+  writeBuffer(device, set, 1, pass.instances);
+  if (buffers.apertures.buffer) writeBuffer(device, set, 2, buffers.apertures);
+  if (!buffers.transfer.buffer) return;
+  writeBuffer(device, set, kTransferBinding, buffers.transfer);
+  writeBuffer(device, set, kTransferBinding + 1, pass.transfers);
+}
+
+/// The pipeline and the sets of draws with a map.
+Result<Done> addMaps(const Device& device, const GraphicsSettings& settings, const SetBuffers& buffers,
+                     std::span<const ApertureMapImages> maps, GeometryPass& pass) {
+  auto pipeline = makeGraphicsPipeline(device, settings);
+  if (!pipeline) return pipeline.error();
+  pass.mapped = std::move(pipeline).value();
+  const auto sampler = makeSampler(device, VK_FILTER_LINEAR);
+  if (!sampler) return sampler.error();
+  pass.sampler = sampler.value();
+  for (const ApertureMapImages& map : maps) {
+    auto set = makeDescriptorSet(device, pass.mapped);
+    if (!set) return set.error();
+    pass.maps.push_back(std::move(set).value());
+    writeBuffers(device, pass, buffers, pass.maps.back());
+    writeSampledImage(device, pass.maps.back(), kMapBinding, map.cap.view, pass.sampler);
+    writeSampledImage(device, pass.maps.back(), kMapBinding + 1, map.ambient.view, pass.sampler);
+  }
+  return Done{};
+}
+
+}  // namespace
+
 Result<GeometryPass> makeGeometryPass(const Device& device, const GpuBuffer& vertices, const GpuBuffer& indices, std::uint32_t capacity,
-                                      const GpuBuffer& apertures, const GpuBuffer& transfer) {
-  const GraphicsSettings settings = settingsOf({apertures.buffer != VK_NULL_HANDLE, transfer.buffer != VK_NULL_HANDLE});
+                                      const GpuBuffer& apertures, const GpuBuffer& transfer, std::span<const ApertureMapImages> maps) {
+  const GeometryExtras extras{apertures.buffer != VK_NULL_HANDLE, transfer.buffer != VK_NULL_HANDLE};
+  const GraphicsSettings settings = settingsOf(extras);
   GeometryPass pass;
   pass.indices = indices.buffer;
   pass.capacity = std::max(capacity, 1u);
@@ -147,16 +193,16 @@ Result<GeometryPass> makeGeometryPass(const Device& device, const GpuBuffer& ver
       makeBuffer(device, pass.capacity * sizeof(GeometryInstance), VK_BUFFER_USAGE_STORAGE_BUFFER_BIT, MemoryUse::upload);
   if (!instances) return fail(instances.error());
   pass.instances = instances.value();
-  writeBuffer(device, pass.set, 0, vertices);
-  writeBuffer(device, pass.set, 1, pass.instances);
-  if (apertures.buffer) writeBuffer(device, pass.set, 2, apertures);
-  if (!transfer.buffer) return pass;
-  Result<GpuBuffer> transfers =
-      makeBuffer(device, pass.capacity * sizeof(TransferInstance), VK_BUFFER_USAGE_STORAGE_BUFFER_BIT, MemoryUse::upload);
-  if (!transfers) return fail(transfers.error());
-  pass.transfers = transfers.value();
-  writeBuffer(device, pass.set, kTransferBinding, transfer);
-  writeBuffer(device, pass.set, kTransferBinding + 1, pass.transfers);
+  if (transfer.buffer) {
+    Result<GpuBuffer> transfers =
+        makeBuffer(device, pass.capacity * sizeof(TransferInstance), VK_BUFFER_USAGE_STORAGE_BUFFER_BIT, MemoryUse::upload);
+    if (!transfers) return fail(transfers.error());
+    pass.transfers = transfers.value();
+  }
+  const SetBuffers buffers{vertices, apertures, transfer};
+  writeBuffers(device, pass, buffers, pass.set);
+  if (maps.empty()) return pass;
+  if (const auto added = addMaps(device, settingsOf(extras, true), buffers, maps, pass); !added) return fail(added.error());
   return pass;
 }
 
@@ -164,7 +210,10 @@ void destroyGeometryPass(const Device& device, GeometryPass& pass) {
   destroyBuffer(device, pass.instances);
   destroyBuffer(device, pass.transfers);
   destroyDescriptorSet(device, pass.set);
+  for (DescriptorSet& set : pass.maps) destroyDescriptorSet(device, set);
+  vkDestroySampler(device.device, pass.sampler, nullptr);
   destroyPipeline(device, pass.pipeline);
+  destroyPipeline(device, pass.mapped);
 }
 
 shared::GeometryInstance geometryInstance(const glm::dmat4& worldFromLocal, const glm::dvec3& eye) {
@@ -197,10 +246,14 @@ void recordGeometry(VkCommandBuffer commands, GeometryPass& pass, const Geometry
     if (extra->image) transition(commands, *extra, kEarlierFrame, kColourWrite);
   transition(commands, images.depth, kEarlierFrame, kDepthWrite);
   beginRendering(commands, images);
-  bind(commands, pass.pipeline, pass.set);
   vkCmdBindIndexBuffer(commands, pass.indices, 0, VK_INDEX_TYPE_UINT32);
+  int bound = -2;
   for (const GeometryDraw& draw : draws) {
-    push(commands, pass.pipeline, GeometryPush{clipFromRelative, draw.baseColour});
+    const int map = pass.maps.empty() ? -1 : draw.map;
+    const Pipeline& pipeline = map < 0 ? pass.pipeline : pass.mapped;
+    if (map != bound) bind(commands, pipeline, map < 0 ? pass.set : pass.maps[static_cast<std::size_t>(map)]);
+    bound = map;
+    push(commands, pipeline, GeometryPush{clipFromRelative, draw.baseColour});
     vkCmdDrawIndexed(commands, draw.indexCount, draw.instanceCount, draw.firstIndex, draw.vertexOffset, draw.firstInstance);
   }
   vkCmdEndRendering(commands);

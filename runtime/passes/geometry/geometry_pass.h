@@ -3,10 +3,12 @@
 
 #include <cstdint>
 #include <span>
+#include <vector>
 
 #include <glm/mat4x4.hpp>
 #include <glm/vec3.hpp>
 
+#include "runtime/aperture_map.h"
 #include "runtime/passes/geometry/geometry.h"
 #include "runtime/vulkan/device.h"
 #include "runtime/vulkan/pipeline.h"
@@ -43,12 +45,16 @@ struct GeometryDraw {
   std::int32_t vertexOffset = 0;
   std::uint32_t firstInstance = 0;
   std::uint32_t instanceCount = 0;
+  int map = -1;  ///< of the pass: the aperture map over these vertices; -1: they have apertures of their own, or none
   glm::vec4 baseColour{1.0f};
 };
 
 struct GeometryPass {
   Pipeline pipeline;
   DescriptorSet set;
+  Pipeline mapped;                  ///< for draws with a map; null without maps
+  std::vector<DescriptorSet> maps;  ///< one for each
+  VkSampler sampler = VK_NULL_HANDLE;
   GpuBuffer instances;  ///< shared::GeometryInstance[capacity], mapped
   GpuBuffer transfers;  ///< shared::TransferInstance[capacity], mapped; null without transfer
   VkBuffer indices = VK_NULL_HANDLE;
@@ -56,11 +62,13 @@ struct GeometryPass {
 };
 
 /// Draws from `vertices` (shared::kVertexFloats floats each) and `indices` (uint32), which must outlive the pass, as must `apertures` (an
-/// uvec2 for each vertex, the 8-byte packing of formats/shared/aperture.h). Without those (a null buffer) images without apertures are
-/// drawn, and nothing is spent on them. The same holds of `transfer`, the 9 floats of VertexVisibility::transfer of all meshes that have
-/// them, which is there with apertures only.
+/// uvec2 for each vertex, the 8-byte packing of formats/shared/aperture.h, or two floats: the texture coordinates of vertices that are
+/// drawn with one of `maps`). Without those (a null buffer) images without apertures are drawn, and nothing is spent on them. The same
+/// holds of `transfer`, the 9 floats of VertexVisibility::transfer of all meshes that have them, and of `maps`, which are there with
+/// apertures only.
 Result<GeometryPass> makeGeometryPass(const Device& device, const GpuBuffer& vertices, const GpuBuffer& indices, std::uint32_t capacity,
-                                      const GpuBuffer& apertures = {}, const GpuBuffer& transfer = {});
+                                      const GpuBuffer& apertures = {}, const GpuBuffer& transfer = {},
+                                      std::span<const ApertureMapImages> maps = {});
 void destroyGeometryPass(const Device& device, GeometryPass& pass);
 
 /// The record of a mesh placed by `worldFromLocal` (affine, any determinant, singular ones too) and seen from `eye`, both in world space.
