@@ -133,7 +133,7 @@ TEST_F(ApertureCommand, DetailsWithoutAperturesAreRefused) {
     EXPECT_EQ(result.exitCode, 2);
     EXPECT_THAT(result.output, HasSubstr("needs --apertures vertex"));
   }
-  EXPECT_EQ(bake("ring.off --apertures texel").exitCode, 2);
+  EXPECT_EQ(bake("ring.off --apertures face").exitCode, 2);
   EXPECT_FALSE(fs::exists(folder / "out"));
 }
 

@@ -1,4 +1,6 @@
 // overcast-player as a user runs it: pictures, tables, JSON, exit codes.
+#include <algorithm>
+#include <cmath>
 #include <cstdlib>
 #include <filesystem>
 
@@ -14,6 +16,7 @@
 #include "formats/scene.h"
 #include "tests/commands/scratch.h"
 #include "tests/commands/shell.h"
+#include "tests/reference/shapes.h"
 #include "tests/runtime/baked_scene.h"
 
 namespace overcast::test {
@@ -227,6 +230,32 @@ TEST_F(PlayerCommand, EndsWithoutADeviceWithFive) {
   const ShellResult result = play("scene.gltf --headless --device abacus");
   EXPECT_EQ(result.exitCode, 5);
   EXPECT_THAT(result.output, HasSubstr("abacus"));
+}
+
+// A ring fine enough for its vertices to tell what its texels tell, seen where it hides half of the sky from itself.
+TEST_F(PlayerCommand, ApertureMapsAndVerticesRenderAlike) {
+  ASSERT_TRUE(writeOff(folder / "fine.off", reference::torusMesh(1.0, 0.6, 96, 48)).ok());
+  std::vector<Image> pictures;
+  for (const std::string way : {"vertex --aperture-bytes 8", "texel --atlas --texels 512"}) {
+    const ShellResult result = shell(fmt::format("{}/overcast-bake fine.off -o out --resolution 16 --error-samples 0 --apertures {}",
+                                                 quoted(OVERCAST_BINARY_FOLDER), way),
+                                     folder);
+    ASSERT_EQ(result.exitCode, 0) << result.output;
+    const ShellResult drawn = play("out/scene.gltf --headless --size 160x90 -o picture.png");
+    ASSERT_EQ(drawn.exitCode, 0) << drawn.output;
+    auto picture = readPng(folder / "picture.png");
+    ASSERT_TRUE(picture) << message(picture.error());
+    pictures.push_back(std::move(picture).value());
+  }
+  ASSERT_EQ(pictures[0].pixels.size(), pictures[1].pixels.size());
+  double squares = 0.0, largest = 0.0;
+  for (std::size_t i = 0; i < pictures[0].pixels.size(); ++i) {
+    const double off = std::abs(double{pictures[0].pixels[i]} - double{pictures[1].pixels[i]});
+    squares += off * off;
+    largest = std::max(largest, off);
+  }
+  EXPECT_LT(std::sqrt(squares / static_cast<double>(pictures[0].pixels.size())), 0.004);
+  EXPECT_LT(largest, 0.04);  // no seams
 }
 
 }  // namespace
