@@ -16,6 +16,7 @@ namespace {
 
 constexpr int kLargestTexCoord = 31;
 constexpr double kLargestFloat = 3.4e38;
+constexpr double kMostOfEstimator = 1e3;  ///< of weights, spreads and powers
 constexpr double kTinyFloat = std::numeric_limits<float>::min();
 
 using overcast::arrayOf;  // of double vectors: hidden by the next line, which would round them
@@ -121,11 +122,20 @@ void readAreaLight(Fields fields, AreaLight& light) {
   if (fields.has("node")) fields.integer("node", light.node, 0, std::numeric_limits<int>::max());
 }
 
+void readCones(Fields fields, SkyCones& cones) {
+  fields.integer("directions", cones.directions, 1, 64);
+  fields.number("spread", cones.spread, 1e-3, kMostOfEstimator);
+  fields.number("bias", cones.bias, 0.0, 1.0);
+  fields.number("power", cones.power, 1e-3, kMostOfEstimator);
+}
+
 void readEstimator(Fields fields, Estimator& estimator) {
   fields.text("name", estimator.name, false);
   fields.integer("taps", estimator.taps, 1, 8);
   fields.number("k", estimator.k, 0.0, kLargestFloat);
   fields.number("skyWeight", estimator.skyWeight, 0.0, 1.0);
+  if (fields.has("weights")) fields.numbers("weights", estimator.weights, static_cast<std::size_t>(estimator.taps), 0.0, kMostOfEstimator);
+  if (fields.has("cones")) readCones(fields.child("cones"), estimator.cones.emplace());
   if (fields.has("fitError")) fields.number("fitError", estimator.fitError, 0.0, kLargestNumber);
 }
 
@@ -218,6 +228,12 @@ std::string lightingJson(const Lighting& lighting) {
   const Estimator& estimator = lighting.estimator;
   json["estimator"] = {
       {"name", estimator.name}, {"taps", estimator.taps}, {"k", shortest(estimator.k)}, {"skyWeight", shortest(estimator.skyWeight)}};
+  for (const float weight : estimator.weights) json["estimator"]["weights"].push_back(shortest(weight));
+  if (const std::optional<SkyCones>& cones = estimator.cones)
+    json["estimator"]["cones"] = {{"directions", cones->directions},
+                                  {"spread", shortest(cones->spread)},
+                                  {"bias", shortest(cones->bias)},
+                                  {"power", shortest(cones->power)}};
   if (estimator.fitError >= 0.0) json["estimator"]["fitError"] = estimator.fitError;
   json["exposure"] = shortest(lighting.exposure);
   return dumpJson(json);

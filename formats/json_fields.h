@@ -71,6 +71,17 @@ class Fields {
     }
   }
 
+  /// An array of `count` numbers.
+  void numbers(const char* key, std::vector<float>& out, std::size_t count, double low, double high) {
+    const Json& value = find(key);
+    if (!value.is_array() || value.size() != count) return fail(key, fmt::format("is not an array of {} numbers", count));
+    out.clear();
+    for (const Json& entry : value) {
+      if (!checked(entry, key, low, high)) return;
+      out.push_back(static_cast<float>(entry.get<double>()));
+    }
+  }
+
   void direction(const char* key, glm::vec3& out) {
     glm::vec3 read = out;
     vector(key, read, -2.0, 2.0);

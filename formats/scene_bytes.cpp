@@ -60,7 +60,7 @@ void fields(Archive& archive, GlobalVolume& volume) {
 
 template <class Archive>
 void fields(Archive& archive, Estimator& estimator) {
-  archive(estimator.name, estimator.taps, estimator.k, estimator.skyWeight, estimator.fitError);
+  archive(estimator.name, estimator.taps, estimator.k, estimator.skyWeight, estimator.weights, estimator.cones, estimator.fitError);
 }
 
 template <class Archive>

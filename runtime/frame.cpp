@@ -51,6 +51,16 @@ void destroyTargets(const Device& device, FrameTargets& targets) {
   destroyGeometryImages(device, targets.images);
 }
 
+Estimator estimatorOf(const Lighting& lighting, const FrameSettings& settings) {
+  Estimator estimator = lighting.estimator;
+  if (settings.estimator && *settings.estimator != estimator.name) {
+    estimator = Estimator{};
+    estimator.name = *settings.estimator;
+    estimator.taps = lighting.estimator.taps;
+  }
+  return settings.taps ? withTaps(std::move(estimator), *settings.taps) : estimator;
+}
+
 Result<Done> makeTargets(const Device& device, FrameRenderer& renderer) {
   FrameTargets& targets = renderer.targets;
   const FrameSettings& settings = renderer.settings;
@@ -63,7 +73,7 @@ Result<Done> makeTargets(const Device& device, FrameRenderer& renderer) {
     const BaselineInputs inputs{targets.images, targets.light, renderer.composite.volume, renderer.surfels ? &*renderer.surfels : nullptr};
     done = take(makeBaseline(device, settings.technique, inputs), targets.baseline.emplace());
   } else if (done) {
-    done = take(makeShadePass(device, targets.images, targets.light, renderer.pyramid, renderer.taps, sky), targets.shade);
+    done = take(makeShadePass(device, targets.images, targets.light, renderer.pyramid, renderer.estimator, sky), targets.shade);
   }
   if (done && renderer.apertures) {
     const ApertureInputs inputs{targets.images, targets.light, renderer.manyObjects ? &renderer.pyramid : nullptr, sky};
@@ -131,19 +141,18 @@ Result<Done> fillRenderer(const Device& device, const RuntimeScene& scene, Frame
   const int resolution = renderer.settings.resolution.value_or(wanted.resolution);
   renderer.grid = globalGrid(wanted.bounds.value_or(scene.bounds), resolution);
   const Technique technique = renderer.settings.technique.technique;
-  renderer.apertures = technique == Technique::overcast && hasApertures(scene);
+  const bool wantsApertures = !renderer.settings.estimator || isHybrid(*renderer.settings.estimator);
+  renderer.apertures = technique == Technique::overcast && wantsApertures && hasApertures(scene);
   renderer.transfer = renderer.apertures && hasTransfer(scene);
   renderer.manyObjects = scene.objects.size() > 1;
-  Estimator estimator = scene.lighting.estimator;
-  if (renderer.settings.taps) estimator.taps = *renderer.settings.taps;
-  Result<Done> done = take(skyTaps(estimator, resolution), renderer.taps);
+  Result<Done> done = take(skyEstimator(estimatorOf(scene.lighting, renderer.settings), resolution), renderer.estimator);
   const auto objects = static_cast<std::uint32_t>(scene.objects.size());
   if (done && readsVolume(technique)) done = take(makeAssetStore(device, scene.assets), renderer.store);
   if (done && readsVolume(technique)) done = take(makeCompositePass(device, renderer.grid, renderer.store, objects), renderer.composite);
   if (done && technique == Technique::surfels)
     done = take(makeSurfelPass(device, scene, renderer.settings.technique.surfelNearness), renderer.surfels.emplace());
   if (done && technique == Technique::overcast)
-    done = take(makePyramidPass(device, renderer.composite.volume, renderer.taps.count), renderer.pyramid);
+    done = take(makePyramidPass(device, renderer.composite.volume, renderer.estimator.levels), renderer.pyramid);
   if (done)
     done = take(makeGeometryPass(device, scene.vertices, scene.indices, objects, renderer.apertures ? scene.apertures : GpuBuffer{},
                                  renderer.transfer ? scene.transfers : GpuBuffer{},

@@ -37,6 +37,8 @@ struct FrameSettings {
   ApertureMode apertureMode = ApertureMode::accurate;
   std::optional<Daylight> daylight;  ///< else sun and sky stay as the scene has them
   TechniqueSettings technique;
+  /// One of kEstimators; else the scene's. One that is no hybrid leaves out the scene's apertures, and with them sun and lamps.
+  std::optional<std::string> estimator = {};
   double levelError = 1.0;  ///< pixels by which meshes with levels of detail may be off (runtime/terrain_levels.h)
 };
 
@@ -57,7 +59,7 @@ struct FrameTargets {
 /// Everything that draws one scene. One frame at a time: what a frame recorded must be done before the next is recorded.
 struct FrameRenderer {
   FrameSettings settings;
-  SkyTaps taps;
+  SkyEstimator estimator;
   bool apertures = false;    ///< the scene has some and the technique reads them
   bool transfer = false;     ///< and some meshes have transfer
   bool manyObjects = false;  ///< that can stand in each other's light

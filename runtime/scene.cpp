@@ -182,8 +182,8 @@ Result<Done> fillScene(const Device& device, const fs::path& path, RuntimeScene&
   if (!read) return read.error();
   scene.scene = std::move(read).value();
   scene.lighting = scene.scene.lighting.value_or(Lighting{});
-  const Result<SkyTaps> taps = skyTaps(scene.lighting.estimator, scene.lighting.globalVolume.resolution);
-  if (!taps) return Error{path.string(), taps.error().place, taps.error().reason};
+  const Result<SkyEstimator> known = skyEstimator(scene.lighting.estimator, scene.lighting.globalVolume.resolution);
+  if (!known) return Error{path.string(), known.error().place, known.error().reason};
   constexpr std::size_t kMostAreaLights = shared::kMaxApertureLights - 1;
   if (const std::size_t lights = scene.lighting.areaLights.size(); lights > kMostAreaLights)
     return Error{path.string(), "areaLights", fmt::format("{} area lights are more than {}", lights, kMostAreaLights)};

@@ -38,6 +38,7 @@ FrameSettings frameSettings(const PlayerOptions& options) {
   FrameSettings settings{options.width, options.height,       options.supersample, options.resolution,
                          options.taps,  options.apertureMode, options.daylight};
   settings.technique = options.technique;
+  settings.estimator = options.estimator;
   settings.levelError = options.levelError;
   return settings;
 }

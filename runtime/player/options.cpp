@@ -6,11 +6,12 @@
 #include <numbers>
 #include <regex>
 
+#include <fmt/ranges.h>
 #include <CLI/CLI.hpp>
 
 #include "formats/console.h"
 #include "formats/image.h"
-#include "runtime/passes/shade/shade.h"
+#include "runtime/passes/shade/sky_estimator.h"
 
 namespace overcast {
 namespace {
@@ -93,6 +94,7 @@ ParsedOptions parseOptions(int argc, char** argv) {
   app.footer(kFooter);
   app.option_defaults()->multi_option_policy(CLI::MultiOptionPolicy::TakeLast);
   std::string scene, frames, size, camera, sky;
+  std::string estimator;
   int resolution = 0, taps = 0;
   Daylight day;
   double gtaoRadius = 0.0;
@@ -119,6 +121,10 @@ ParsedOptions parseOptions(int argc, char** argv) {
           ->check(CLI::Range(32, 256));
   auto* tapsOption = app.add_option("--taps", taps, "taps of the sky estimator at 128 voxels (default: the scene's)")
                          ->check(CLI::Range(1, shared::kMaxTaps));
+  auto* estimatorOption =
+      app.add_option("--estimator", estimator, fmt::format("sky estimator: {} (default: the scene's)", fmt::join(kEstimators, ", ")))
+          ->check(CLI::IsMember(std::vector<std::string>(kEstimators.begin(), kEstimators.end())))
+          ->type_name("NAME");
   app.add_option("--aperture-mode", options.apertureMode,
                  "how lights shine through apertures: exact, smoothstep (as published), fast or accurate (default)")
       ->transform(CLI::CheckedTransformer(kApertureModes, CLI::ignore_case).description(""));
@@ -166,6 +172,7 @@ ParsedOptions parseOptions(int argc, char** argv) {
     std::tie(options.width, options.height) = sides;
     if (resolutionOption->count() > 0) options.resolution = resolution;
     if (tapsOption->count() > 0) options.taps = taps;
+    if (estimatorOption->count() > 0) options.estimator = estimator;
     for (const NamedGtaoSearch& quality : kGtaoQualities)
       if (gtaoQuality == quality.name) options.technique.gtaoSearch = quality.search;
     if (radiusOption->count() > 0) options.technique.gtaoRadius = gtaoRadius;

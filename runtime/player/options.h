@@ -38,6 +38,7 @@ struct PlayerOptions {
   bool json = false;
   std::optional<int> resolution;
   std::optional<int> taps;
+  std::optional<std::string> estimator;
   int supersample = 2;
   ApertureMode apertureMode = ApertureMode::accurate;
   std::optional<Daylight> daylight;

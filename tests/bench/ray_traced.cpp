@@ -192,13 +192,17 @@ RayTracedPixel shade(const Traced& traced, const Hit& hit, const Lighting& light
   const Frame frame = frameAbout(hit.normal);
   const shared::SkyLight dome = skyLight(sky);
   glm::dvec3 sum(0.0);
+  double free = 0.0;
   for (int i = 0; i < settings.skyRays; ++i) {
     const glm::dvec3 direction = capPoint(frame, 1.0, i, settings.skyRays, turn);
     const bool lit = std::any_of(lights.begin(), lights.end(),
                                  [&](const SeenLight& light) { return glm::dot(direction, light.axis) > 1.0 - light.height; });
-    if (!lit && isFree(traced, hit, direction, 1e30))
-      sum += glm::dot(direction, hit.normal) * glm::dvec3(shared::skyRadiance(dome, glm::vec3(direction)));
+    if (lit || !isFree(traced, hit, direction, 1e30)) continue;
+    const double cosine = glm::dot(direction, hit.normal);
+    free += cosine;
+    sum += cosine * glm::dvec3(shared::skyRadiance(dome, glm::vec3(direction)));
   }
+  pixel.visible = 2.0 * free / settings.skyRays;
   pixel.sky = glm::vec3(hit.colour * sum * (2.0 / settings.skyRays));
   return pixel;
 }

@@ -17,6 +17,7 @@ struct RayTracedPixel {
   bool surface = false;
   glm::vec3 lights{0.0f};  ///< linear radiance by sun and spheres
   glm::vec3 sky{0.0f};     ///< by the sky that no light covers
+  double visible = 0.0;    ///< cosine-weighted share of the hemisphere that nothing blocks and no light covers
 };
 
 struct RayTracedSettings {

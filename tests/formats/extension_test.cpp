@@ -86,6 +86,13 @@ TEST(Extension, ReadsBackBitForBit) {
     RC_ASSERT(again.estimator.name == made.estimator.name && again.estimator.taps == made.estimator.taps);
     RC_ASSERT(again.estimator.k == made.estimator.k && again.estimator.skyWeight == made.estimator.skyWeight);
     RC_ASSERT(again.estimator.fitError == made.estimator.fitError);
+    RC_ASSERT(again.estimator.weights == made.estimator.weights);
+    RC_ASSERT(again.estimator.cones.has_value() == made.estimator.cones.has_value());
+    if (made.estimator.cones) {
+      RC_ASSERT(again.estimator.cones->directions == made.estimator.cones->directions);
+      RC_ASSERT(again.estimator.cones->spread == made.estimator.cones->spread && again.estimator.cones->bias == made.estimator.cones->bias);
+      RC_ASSERT(again.estimator.cones->power == made.estimator.cones->power);
+    }
   }));
 }
 

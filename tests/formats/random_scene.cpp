@@ -173,7 +173,11 @@ Lighting lighting(Dice& dice) {
     made.areaLights.push_back({glm::vec3(dice.vector(-9, 9)), dice.single(0.01, 2), dice.colour()});
   if (dice.chance(0.5)) made.globalVolume.bounds = dice.box();
   made.globalVolume.resolution = 8 * dice.integer(4, 32);
-  made.estimator = {"published", dice.integer(1, 8), dice.single(0, 1), dice.single(0, 1), dice.chance(0.5) ? -1.0 : dice.real(0, 1)};
+  Estimator& estimator = made.estimator;
+  estimator = {"published", dice.integer(1, 8), dice.single(0, 1), dice.single(0, 1), {}, {}, dice.chance(0.5) ? -1.0 : dice.real(0, 1)};
+  if (dice.chance(0.5))
+    for (int tap = 0; tap < estimator.taps; ++tap) estimator.weights.push_back(dice.single(0, 3));
+  if (dice.chance(0.5)) estimator.cones = SkyCones{dice.integer(1, 16), dice.single(0.01f, 2), dice.single(0, 1), dice.single(0.1f, 2)};
   made.exposure = dice.single(0.1, 4);
   return made;
 }

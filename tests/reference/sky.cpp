@@ -35,4 +35,28 @@ double publishedSky(const std::vector<Field>& levels, const glm::dvec3& point, c
   return std::pow(visibility, darkening / (darkening + 1.0 / 16.0));
 }
 
+double calibratedSky(const std::vector<Field>& levels, const glm::dvec3& point, const glm::dvec3& normal, const glm::dvec3& up,
+                     const std::vector<Tap>& taps, double alpha) {
+  double e = 0.0;
+  for (const Tap& tap : taps) {
+    const double phi = continuedField(levels, tap.level, point + tap.distance * normal + tap.distance * alpha * up);
+    e += tap.weight * ((1.0 + alpha) * tap.distance - phi) / tap.distance;
+  }
+  return e <= 0.0 ? 1.0 : std::exp(-e * e / (e + 1.0 / 16.0));
+}
+
+double conesSky(const std::vector<Field>& levels, const glm::dvec3& point, const std::vector<glm::dvec3>& axes,
+                const std::vector<Tap>& taps, const glm::dvec3& cone) {
+  double sum = 0.0;
+  for (const glm::dvec3& axis : axes) {
+    double open = 1.0;
+    for (const Tap& tap : taps) {
+      const double share = continuedField(levels, tap.level, point + tap.distance * axis) / (tap.distance * cone.x) + cone.y;
+      open = std::min(open, std::min(std::max(share, 0.0), 1.0));
+    }
+    sum += open;
+  }
+  return std::pow(sum / static_cast<double>(axes.size()), cone.z);
+}
+
 }  // namespace overcast::reference

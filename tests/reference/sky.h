@@ -1,4 +1,4 @@
-// Sky visibility of the `published` estimator in double (DESIGN 5.4, Evans 2006, 9.6). Shares no code with the runtime.
+// Sky visibility of the estimators in double (DESIGN 5.4; Evans 2006, 9.6). Shares no code with the runtime.
 #pragma once
 
 #include <vector>
@@ -14,6 +14,20 @@ namespace overcast::reference {
 /// a texel of a level inside the border that level is continued by the distance.
 double publishedSky(const std::vector<Field>& levels, const glm::dvec3& point, const glm::dvec3& normal, const glm::dvec3& up, double k,
                     double alpha);
+
+struct Tap {
+  double distance = 1.0;  ///< voxels
+  double weight = 0.0;
+  int level = 0;
+};
+
+/// exp(-e^2 / (e + 1/16)), e = sum of weight ((1 + alpha) d - phi) / d where that is positive, else 1.
+double calibratedSky(const std::vector<Field>& levels, const glm::dvec3& point, const glm::dvec3& normal, const glm::dvec3& up,
+                     const std::vector<Tap>& taps, double alpha);
+
+/// Mean over `axes` of the least clamp(phi / (d spread) + bias, 0, 1), to a power; `cone`: spread, bias, power.
+double conesSky(const std::vector<Field>& levels, const glm::dvec3& point, const std::vector<glm::dvec3>& axes,
+                const std::vector<Tap>& taps, const glm::dvec3& cone);
 
 /// The field with that continuation: level `level` at a point in voxels of level 0.
 double continuedField(const std::vector<Field>& levels, int level, const glm::dvec3& point);

@@ -133,11 +133,13 @@ TEST(ApertureFormulas, SkyConesFillTheAperture) {
 
 class Apertures : public Frames {
  protected:
-  void openMode(const Scene& made, ApertureMode mode) {
+  void openMode(const Scene& made, ApertureMode mode, const std::optional<std::string>& estimator = {}) {
     const fs::path file = temporaryFolder() / "apertures.gltf";
     const auto written = writeScene(file, made);
     ASSERT_TRUE(written.ok()) << message(written.error());
-    open(file, {64, 48, 1, {}, {}, mode});
+    settings = {64, 48, 1, {}, {}, mode};
+    settings.estimator = estimator;
+    open(file, settings);
   }
   Image picture(const View& view, double time = 0.0) {
     EXPECT_TRUE(renderFrame(device, renderer, scene, time, view).ok());
@@ -322,6 +324,20 @@ TEST_F(Apertures, SkyIsWhatOtherObjectsLeave) {
   }
   RecordProperty("rmse", std::to_string(std::sqrt(squares / count)));
   EXPECT_LT(squares, 0.25 * covered) << "half the error of leaving the ball out";
+}
+
+TEST_F(Apertures, AreLeftOutByEstimatorsThatAreNoHybrids) {
+  const Scene made = floorScene(temporaryFolder(), square({{0, 1, 0}, 1.0f}, 0.5f));
+  const View view = lookAt({0.0, 5.0, 4.0}, {0.0, 0.0, 0.0}, {0, 1, 0}, 0.6);
+  for (const char* name : kEstimators) {
+    openMode(made, ApertureMode::accurate, name);
+    const Image image = picture(view);
+    const glm::ivec2 pixel = pixelOf(renderer, view, {0.0, 0.0, 0.0});
+    const float sky = at(image, pixel.x, pixel.y, channelIndex(image, "sky"));
+    EXPECT_EQ(std::abs(sky - 0.5f) < 0.01f, isHybrid(name)) << name << " finds " << sky << ", apertures say half";
+    EXPECT_EQ(renderer.targets.images.aperture.image != VK_NULL_HANDLE, isHybrid(name));
+    close();
+  }
 }
 
 TEST_F(Apertures, MeshesWithoutSeeTheWholeHemisphere) {

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <functional>
 #include <limits>
+#include <string>
 
 #include <gtest/gtest.h>
 #include <glm/common.hpp>
@@ -26,21 +27,27 @@ using test::Surface;
 constexpr int kSide = test::kGroundSide;
 constexpr glm::dvec3 kUp{0, 1, 0};
 
+Estimator named(const char* name) {
+  Estimator estimator;
+  estimator.name = name;
+  return estimator;
+}
+
 class Shade : public test::DeviceTest {
  protected:
   struct Setting : test::GroundView {
     glm::vec3 skyColour{0.5f, 0.25f, 1.0f};
-    Estimator estimator;
+    Estimator estimator = named("published");
   };
 
   /// Shades `ground` in `field` with 64 x 64 pixels.
   std::vector<Pixel> shade(const Field& field, const test::Ground& ground, const Setting& setting) {
     GpuImage volume = test::uploadField(device, field);
-    const SkyTaps taps = skyTaps(setting.estimator, kSide).value();
-    PyramidPass pyramid = makePyramidPass(device, volume, taps.count).value();
+    const SkyEstimator estimator = skyEstimator(setting.estimator, kSide).value();
+    PyramidPass pyramid = makePyramidPass(device, volume, estimator.levels).value();
     GeometryImages images = test::uploadGround(device, ground, setting);
     GpuImage light = makeLightImage(device, images).value();
-    ShadePass pass = makeShadePass(device, images, light, pyramid, taps).value();
+    ShadePass pass = makeShadePass(device, images, light, pyramid, estimator).value();
     const ShadeView view{test::clipFromRelative(setting), setting.eye, setting.skyColour, glm::vec3(kUp)};
     const Result<Done> done = runCommands(device, [&](VkCommandBuffer commands) {
       recordPyramid(commands, pyramid);
@@ -57,24 +64,61 @@ class Shade : public test::DeviceTest {
   }
 };
 
-TEST(SkyTaps, MeanTheSameAtAnyResolution) {
+TEST(SkyEstimators, PublishedMeansTheSameAtAnyResolution) {
   for (const auto& [resolution, count] : {std::pair{32, 3}, {64, 4}, {128, 5}, {256, 6}}) {
-    const SkyTaps taps = skyTaps({}, resolution).value();
-    EXPECT_EQ(taps.count, count);
+    const SkyEstimator made = skyEstimator(named("published"), resolution).value();
+    ASSERT_EQ(made.taps.size(), static_cast<std::size_t>(count));
+    EXPECT_EQ(made.levels, count);
     // A shut point misses d_i at every tap; a wall half of what open ground sees.
     float shut = 0.0f;
-    for (int i = 0; i < taps.count; ++i) shut += taps.weights[static_cast<std::size_t>(i)] * std::exp2(static_cast<float>(i));
+    for (const shared::SkyTap& tap : made.taps) shut += tap.weight;
     EXPECT_NEAR(shut, Estimator{}.k, 1e-5f);
-    EXPECT_NEAR(shared::skyVisibility(taps.constant), 0.5f, 1e-3f);
+    EXPECT_NEAR(shared::skyVisibility(shut * Estimator{}.skyWeight), 0.5f, 1e-3f);
   }
-  Estimator eight;
+  Estimator eight = named("published");
   eight.taps = 8;
-  EXPECT_EQ(skyTaps(eight, 256).value().count, 8);
-  Estimator unknown;
-  unknown.name = "magic";
-  const Result<SkyTaps> refused = skyTaps(unknown, 128);
+  EXPECT_EQ(skyEstimator(eight, 256).value().taps.size(), 8u);
+}
+
+TEST(SkyEstimators, ReachAsFarAtAnyResolution) {
+  for (const char* name : kEstimators) {
+    if (name == std::string("published")) continue;
+    const SkyEstimator coarse = skyEstimator(named(name), 128).value(), fine = skyEstimator(named(name), 256).value();
+    ASSERT_EQ(coarse.taps.size(), fine.taps.size()) << name;
+    for (std::size_t i = 0; i < coarse.taps.size(); ++i) {
+      EXPECT_NEAR(fine.taps[i].distance, 2.0f * coarse.taps[i].distance, 1e-4f) << name;
+      EXPECT_EQ(fine.taps[i].weight, coarse.taps[i].weight);
+      EXPECT_EQ(fine.taps[i].level, coarse.directions.empty() ? std::min(coarse.taps[i].level + 1, shared::kMaxPyramidLevels - 1) : 0);
+    }
+  }
+}
+
+TEST(SkyEstimators, UnknownNamesAndWeightsAreRefused) {
+  const Result<SkyEstimator> refused = skyEstimator(named("magic"), 128);
   ASSERT_FALSE(refused.ok());
   EXPECT_NE(message(refused.error()).find("'magic'"), std::string::npos);
+  for (const char* name : kEstimators) EXPECT_NE(message(refused.error()).find(name), std::string::npos) << "lists what there is";
+  Estimator calibrated = named("calibrated");
+  calibrated.weights = {1.0f, 2.0f};
+  EXPECT_FALSE(skyEstimator(calibrated, 128).ok());
+  EXPECT_TRUE(skyEstimator(withTaps(calibrated, 4), 128).ok()) << "other taps, the program's weights";
+  calibrated.taps = 2;
+  EXPECT_EQ(skyEstimator(calibrated, 128).value().taps[1].weight, 2.0f);
+}
+
+TEST(SkyEstimators, ConesStandForEqualSharesOfTheCosine) {
+  for (const int count : {1, 4, 7, 16, 64}) {
+    Estimator cones = named("cones");
+    cones.cones.emplace().directions = count;
+    glm::vec3 sum(0.0f);
+    const SkyEstimator made = skyEstimator(cones, 128).value();
+    for (const glm::vec3& direction : made.directions) {
+      EXPECT_NEAR(glm::length(direction), 1.0f, 1e-5f);
+      sum += direction / static_cast<float>(count);
+    }
+    EXPECT_NEAR(sum.z, 2.0f / 3.0f, count == 1 ? 0.05f : 0.012f) << "the mean of z under a cosine";
+    EXPECT_LT(glm::length(glm::vec2(sum.x, sum.y)), count == 1 ? 0.75f : 0.25f) << count;
+  }
 }
 
 TEST(ShadeFormulas, DegenerateNormalsCountAsNone) {
@@ -125,23 +169,39 @@ TEST_F(Shade, OpenSurfacesHaveTheirClosedForm) {
   }
 }
 
+/// Sky of open ground points by the reference, for an estimator made ready.
+double referenceSky(const std::string& name, const std::vector<Field>& levels, const glm::dvec3& point, const SkyEstimator& made) {
+  std::vector<reference::Tap> taps;
+  for (const shared::SkyTap& tap : made.taps) taps.push_back({tap.distance, tap.weight, tap.level});
+  if (name == "calibrated") return reference::calibratedSky(levels, point, kUp, kUp, taps, made.skyWeight);
+  if (name == "published") return reference::publishedSky(levels, point, kUp, kUp, Estimator{}.k, Estimator{}.skyWeight);
+  std::vector<glm::dvec3> axes;
+  for (const glm::vec3& axis : made.directions) axes.emplace_back(axis.x, axis.z, axis.y);  // about +y, side x and front z
+  return reference::conesSky(levels, point, axes, taps, glm::dvec3(made.cone));
+}
+
 TEST_F(Shade, AgreesWithBruteForceInDouble) {
   const auto corner = [](const glm::dvec3& p) { return std::min(p.y - kGround, p.x - 16.0); };
   const Field scenes[] = {test::groundCube(test::sphereOnGround), test::groundCube(corner)};
-  for (const Field& field : scenes) {
-    const Setting setting;
-    const std::vector<Pixel> pixels = shade(field, groundOnly, setting);
-    const std::vector<Field> levels = reference::pyramid(field, skyTaps(setting.estimator, kSide).value().count);
-    double worst = 0.0;
-    for (std::size_t n = 0; n < pixels.size(); ++n) {
-      const glm::dvec2 at = test::column(n, setting);
-      const double expected =
-          reference::publishedSky(levels, {at.x, kGround, at.y}, kUp, kUp, setting.estimator.k, setting.estimator.skyWeight);
-      worst = std::max(worst, std::abs(pixels[n].sky - expected));
+  for (const std::string name : {"published", "calibrated", "cones"}) {
+    Setting setting;
+    setting.estimator = named(name.c_str());
+    const SkyEstimator made = skyEstimator(setting.estimator, kSide).value();
+    for (const Field& field : scenes) {
+      const std::vector<Pixel> pixels = shade(field, groundOnly, setting);
+      const std::vector<Field> levels = reference::pyramid(field, made.levels);
+      double worst = 0.0, darkest = 1.0;
+      for (std::size_t n = 0; n < pixels.size(); n += 3) {
+        const glm::dvec2 at = test::column(n, setting);
+        const double expected = referenceSky(name, levels, {at.x, kGround, at.y}, made);
+        worst = std::max(worst, std::abs(pixels[n].sky - expected));
+        darkest = std::min(darkest, expected);
+      }
+      // Half floats of up to 64 voxels step by 1/32 at the most, seen through weights that sum to k / 15 per tap; 8-bit filter weights and
+      // the result's own half float are smaller.
+      EXPECT_LT(worst, 0.01) << name;
+      EXPECT_LT(darkest, 0.6) << name << " has something to agree on";
     }
-    // Half floats of up to 64 voxels step by 1/32 at the most, seen through weights that sum to k / 15 per tap; 8-bit filter weights and
-    // the result's own half float are smaller.
-    EXPECT_LT(worst, 0.01);
   }
 }
 

@@ -1,5 +1,5 @@
-// One thread per pixel: base colour times sky times sky visibility. OVERCAST_TAPS taps of the estimator OVERCAST_ESTIMATOR_<NAME>.
-// OVERCAST_SKY: the sky is not uniform.
+// One thread per pixel: base colour times sky times sky visibility. OVERCAST_TAPS taps of the estimator, along the skewed normal or along
+// each of OVERCAST_CONES cones. OVERCAST_SKY: the sky is not uniform.
 #version 460
 #include "runtime/passes/aperture/sky.h"
 #include "runtime/passes/screen/screen.glsl"
@@ -18,8 +18,11 @@ layout(set = 0, binding = 9) uniform sampler3D level5;
 layout(set = 0, binding = 10) uniform sampler3D level6;
 layout(set = 0, binding = 11) uniform sampler3D level7;
 
+layout(set = 0, binding = 12, std430) readonly buffer Constants {
+  SkyConstants estimator;
+};
 #ifdef OVERCAST_SKY
-layout(set = 0, binding = 12, std430) readonly buffer Sky {
+layout(set = 0, binding = 13, std430) readonly buffer Sky {
   SkyLight skyLight;
 };
 #endif
@@ -61,13 +64,28 @@ float field(int level, vec3 p) {
   return sampleLevel(level, inside) + distance(p, inside);
 }
 
-#ifdef OVERCAST_ESTIMATOR_PUBLISHED
+#ifdef OVERCAST_CONES
+float visibility(vec3 p, vec3 normal) {
+  mat3 frame = frameAbout(normal);
+  float sum = 0.0f;
+  for (int cone = 0; cone < OVERCAST_CONES; ++cone) {
+    vec3 axis = frame * vec3(estimator.directions[cone]);
+    float open = 1.0f;
+    for (int tap = 0; tap < OVERCAST_TAPS; ++tap) {
+      float d = estimator.taps[tap].distance;
+      open = min(open, coneOpenness(field(estimator.taps[tap].level, p + d * axis), d, estimator.cone));
+    }
+    sum += open;
+  }
+  return pow(sum / float(OVERCAST_CONES), estimator.cone.z);
+}
+#else
 float visibility(vec3 p, vec3 normal) {
   vec3 skewed = skewedNormal(normal, vec3(push.skew));
-  float exponent = push.skew.w;
+  float exponent = 0.0f;
   for (int tap = 0; tap < OVERCAST_TAPS; ++tap) {
-    float d = tapDistance(tap);
-    exponent += push.weights[tap / 4][tap % 4] * (d - field(tap, p + d * skewed));
+    float d = estimator.taps[tap].distance;
+    exponent += estimator.taps[tap].weight * tapMissing(field(estimator.taps[tap].level, p + d * skewed), d, push.skew.w);
   }
   return skyVisibility(exponent);
 }

@@ -10,6 +10,13 @@
 //  * Round tops read more than open ground, because blurring a convex distance raises it: e < 0. A clamp there draws a line across them,
 //    so e eases into it, see easedExponent. An open wall, e = k alpha, gets its true half of the sky for the default k = 1.5, alpha = 0.5.
 //
+// `calibrated`: C = exp(-sum w_i g_i) with g_i = f_i / d_i + alpha, which is 0 over open ground: a weight for each tap, and taps further
+// apart, each reading the level whose blur is proportional to its distance. Blurred far taps tell how much stands around, which is what
+// sharp ones do not.
+// `cones`: C = (mean over cones of min_i clamp(phi(P + d_i c) / (d_i s) + b, 0, 1))^q, all taps of level 0.
+// `hybrid`: V_self from the baked apertures times what others leave of them, which is the aperture pass's business (aperture.h). Scenes
+// without apertures get `calibrated`.
+//
 // The paper's tap at d_0 = 0 is left out: it has no reach and reads only by how much mesh and field disagree.
 #ifndef RUNTIME_PASSES_SHADE_SHADE_H
 #define RUNTIME_PASSES_SHADE_SHADE_H
@@ -19,18 +26,42 @@
 OVERCAST_SHARED_BEGIN
 
 const int kMaxTaps = 8;
+const int kMaxCones = 64;
 
-/// 128 bytes: all the push constants a device must have.
-struct ShadePush {
-  mat4 voxelFromClip;  //   0: voxel coordinates (from the volume's corner) from clip space, before the division by w
-  vec4 skew;           //  64: xyz: alpha U; w: constant term of the exponent
-  vec4 sky;            //  80: rgb: linear radiance of the sky
-  vec4 weights[2];     //  96: of f_1 .. f_8 in the exponent
+/// One tap of the estimator, in voxels of the global volume.
+struct SkyTap {
+  float distance;  //  0: d_i
+  float weight;    //  4: of what is missing of it, in the exponent
+  int level;       //  8: of the pyramid
+  int padding;     // 12
 };
 
-/// d_i in voxels; tap 0 is d_1.
+/// What does not change from frame to frame.
+struct SkyConstants {
+  vec4 cone;                   //   0: x: spread, y: bias, z: power
+  SkyTap taps[kMaxTaps];       //  16
+  vec4 directions[kMaxCones];  // 144: xyz: unit axes of the cones in the frame about the normal, which is its z
+};
+
+struct ShadePush {
+  mat4 voxelFromClip;  //  0: voxel coordinates (from the volume's corner) from clip space, before the division by w
+  vec4 skew;           // 64: xyz: alpha U; w: alpha
+  vec4 sky;            // 80: rgb: linear radiance of the sky
+};
+
+/// d_i of `published` in voxels; tap 0 is d_1.
 OVERCAST_INLINE float tapDistance(int tap) {
   return exp2(float(tap));
+}
+
+/// What a tap misses of what open ground has, as a share of d: f / d + alpha. 0 over open ground, 1 + alpha where it is shut.
+OVERCAST_INLINE float tapMissing(float phi, float d, float alpha) {
+  return 1.0f + alpha - phi / d;
+}
+
+/// How open a cone is at a tap.
+OVERCAST_INLINE float coneOpenness(float phi, float d, vec4 cone) {
+  return clamp(phi / (d * cone.x) + cone.y, 0.0f, 1.0f);
 }
 
 /// N', from a normal of any length: a degenerate one (zero, not finite) counts as none, which leaves the skew.

@@ -1,46 +1,30 @@
 // The shade pass: light of every pixel from the geometry images and the distance pyramid (shade.h has the formulas).
 #pragma once
 
-#include <array>
-#include <string>
-
 #include <glm/mat4x4.hpp>
 #include <glm/vec3.hpp>
 
-#include "formats/lighting.h"
 #include "runtime/passes/composite/global_grid.h"
 #include "runtime/passes/geometry/geometry_pass.h"
 #include "runtime/passes/pyramid/pyramid_pass.h"
 #include "runtime/passes/screen/screen_pass.h"
-#include "runtime/passes/shade/shade.h"
+#include "runtime/passes/shade/sky_estimator.h"
 #include "runtime/vulkan/device.h"
 #include "runtime/vulkan/pipeline.h"
 #include "runtime/vulkan/resources.h"
 
 namespace overcast {
 
-/// A sky estimator for one volume: visibility = exp(-(constant + sum weights[i] f_i)).
-struct SkyTaps {
-  std::string estimator;  ///< which shader
-  int count = 0;          ///< taps, and pyramid levels they read, 1 to shared::kMaxTaps
-  float constant = 0.0f;
-  std::array<float, shared::kMaxTaps> weights{};  ///< per voxel of the global volume
-  float skyWeight = 0.0f;                         ///< alpha
-};
-
-/// The estimator at `resolution` voxels along the longest side: `taps` reach as far in the world at any resolution, so that each doubling
-/// above 128 adds a tap and each halving leaves one out (rounded, 1 to 8). An Error names an estimator we do not have.
-Result<SkyTaps> skyTaps(const Estimator& estimator, int resolution);
-
 struct ShadePass {
   ScreenPass screen;
-  SkyTaps taps;
+  SkyEstimator estimator;
+  GpuBuffer constants;  ///< shared::SkyConstants
 };
 
-/// Shades the pixels of `images` into `light` with a pyramid of at least taps.count levels; all must outlive the pass, as must `sky`, a
+/// Shades the pixels of `images` into `light` with a pyramid of at least estimator.levels; all must outlive the pass, as must `sky`, a
 /// shared::SkyLight, without which the sky is uniform.
 Result<ShadePass> makeShadePass(const Device& device, const GeometryImages& images, const GpuImage& light, const PyramidPass& pyramid,
-                                const SkyTaps& taps, const GpuBuffer* sky = nullptr);
+                                const SkyEstimator& estimator, const GpuBuffer* sky = nullptr);
 void destroyShadePass(const Device& device, ShadePass& pass);
 
 /// What the frame's camera and light are. Positions in world space.

@@ -1,0 +1,120 @@
+#include "runtime/passes/shade/sky_estimator.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "runtime/passes/pyramid/pyramid.h"
+
+namespace overcast {
+namespace {
+
+using shared::SkyTap;
+
+/// The resolution at which taps count (formats/lighting.h).
+constexpr double kTapResolution = 128.0;
+/// Taps are nowhere nearer than so many voxels, which mesh and field agree on.
+constexpr float kNearestTap = 0.75f;
+
+/// Where taps start and how far the last one reaches, in voxels at kTapResolution, and how many levels above the one whose blur is that of
+/// `published` at this distance they read.
+struct Reach {
+  double first;
+  double last;
+  int coarser;
+};
+constexpr int kSharp = -shared::kMaxPyramidLevels;
+
+/// The program's own weights of `calibrated`, fitted to generated scenes.
+constexpr int kFewestFitted = 4, kMostFitted = 6;
+std::vector<float> ownWeights(int taps) {
+  if (taps == 4) return {0.588f, 0.0f, 0.522f, 0.616f};
+  if (taps == 5) return {0.583f, 0.0f, 0.606f, 0.634f, 0.0f};
+  return {0.466f, 0.169f, 0.0f, 0.981f, 0.194f, 0.0f};
+}
+
+void addPublishedTaps(const Estimator& estimator, int resolution, SkyEstimator& made) {
+  const int added = static_cast<int>(std::lround(std::log2(resolution / kTapResolution)));
+  const int count = std::clamp(estimator.taps + added, 1, shared::kMaxTaps);
+  float sum = 0.0f;
+  for (int tap = 0; tap < count; ++tap) sum += shared::tapDistance(tap);
+  for (int tap = 0; tap < count; ++tap) {
+    const float d = shared::tapDistance(tap);
+    made.taps.push_back({d, estimator.k * d / sum, tap, 0});
+  }
+}
+
+/// Taps without weights.
+std::vector<SkyTap> tapsWithin(int count, const Reach& reach, int resolution) {
+  std::vector<SkyTap> taps;
+  const double ratio = count > 1 ? std::pow(reach.last / reach.first, 1.0 / (count - 1)) : 1.0;
+  for (int tap = 0; tap < count; ++tap) {
+    const double voxels = reach.first * std::pow(ratio, tap) * resolution / kTapResolution;
+    const auto distance = std::max(static_cast<float>(voxels), kNearestTap);
+    const int level = static_cast<int>(std::lround(std::log2(distance))) + reach.coarser;
+    taps.push_back({distance, 0.0f, std::clamp(level, 0, shared::kMaxPyramidLevels - 1), 0});
+  }
+  return taps;
+}
+
+void addCalibratedTaps(const Estimator& estimator, int resolution, SkyEstimator& made) {
+  const bool given = !estimator.weights.empty();
+  const int count = given ? estimator.taps : std::clamp(estimator.taps, kFewestFitted, kMostFitted);
+  const std::vector<float> weights = given ? estimator.weights : ownWeights(count);
+  made.taps = tapsWithin(count, {1.5, count <= 4 ? 26.0 : 56.0, 1}, resolution);
+  for (std::size_t tap = 0; tap < weights.size(); ++tap) made.taps[tap].weight = weights[tap];
+}
+
+/// Directions that stand for equal shares of the cosine over the hemisphere about z: a spherical Fibonacci lattice, cosine-weighted.
+std::vector<glm::vec3> coneDirections(int count) {
+  std::vector<glm::vec3> directions;
+  for (int i = 0; i < count; ++i) {
+    const double z = std::sqrt(1.0 - (i + 0.5) / count), side = std::sqrt(1.0 - z * z);
+    const double turn = 2.0 * std::numbers::pi * std::fmod(i / std::numbers::phi, 1.0);
+    directions.emplace_back(side * std::cos(turn), side * std::sin(turn), z);
+  }
+  return directions;
+}
+
+void addCones(const Estimator& estimator, int resolution, SkyEstimator& made) {
+  const SkyCones settings = estimator.cones.value_or(SkyCones{});
+  made.directions = coneDirections(settings.directions);
+  made.cone = {settings.spread, settings.bias, settings.power};
+  made.taps = tapsWithin(estimator.taps, {2.0, estimator.taps <= 4 ? 35.0 : 56.0, kSharp}, resolution);
+}
+
+}  // namespace
+
+bool isHybrid(std::string_view name) {
+  return name == "hybrid";
+}
+
+Result<SkyEstimator> skyEstimator(const Estimator& estimator, int resolution) {
+  const std::string& name = estimator.name;
+  if (std::find(kEstimators.begin(), kEstimators.end(), name) == kEstimators.end())
+    return Error{"", "estimator", fmt::format("unknown estimator '{}' (known: {})", name, fmt::join(kEstimators, ", "))};
+  if (!estimator.weights.empty() && estimator.weights.size() != static_cast<std::size_t>(estimator.taps))
+    return Error{"", "estimator", fmt::format("{} weights for {} taps", estimator.weights.size(), estimator.taps)};
+  SkyEstimator made;
+  made.skyWeight = estimator.skyWeight;
+  if (name == "published") {
+    addPublishedTaps(estimator, resolution, made);
+  } else if (name == "cones") {
+    addCones(estimator, resolution, made);
+  } else {
+    addCalibratedTaps(estimator, resolution, made);
+  }
+  for (const SkyTap& tap : made.taps) made.levels = std::max(made.levels, tap.level + 1);
+  return made;
+}
+
+Estimator withTaps(Estimator estimator, int taps) {
+  if (taps != estimator.taps) estimator.weights.clear();
+  estimator.taps = taps;
+  return estimator;
+}
+
+}  // namespace overcast
