@@ -208,7 +208,7 @@ std::uint64_t countInward(Job& job, std::span<const SurfacePoint> origins, std::
   const std::vector<PointVisibility> seen = traceVisibility(job.occluders, behind, job.settings.visibility, job.progress);
   job.report.rays += seen.size() * static_cast<std::uint64_t>(job.settings.visibility.rays);
   std::vector<char> inward(origins.size(), 0);
-  for (std::size_t i = 0; i < seen.size(); ++i) inward[point[i]] = !seen[i].interior && seen[i].visible > 0.0f;
+  for (std::size_t i = 0; i < seen.size(); ++i) inward[point[i]] = static_cast<char>(!seen[i].interior && seen[i].visible > 0.0f);
   std::uint64_t count = 0;
   for (const std::uint32_t of : job.points.ofVertex) count += static_cast<std::uint64_t>(inward[of]);
   return count;
@@ -220,7 +220,7 @@ void bakeVertices(Job& job) {
   job.report.rays += seen.size() * static_cast<std::uint64_t>(job.settings.visibility.rays);
   std::vector<char> interior;
   for (const PointVisibility& point : seen) {
-    interior.push_back(point.interior);
+    interior.push_back(static_cast<char>(point.interior));
     job.samples.push_back(sampleOf(point));
   }
   for (const std::uint32_t point : job.points.ofVertex) job.report.interior += static_cast<std::uint64_t>(interior[point]);

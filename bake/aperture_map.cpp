@@ -108,7 +108,7 @@ void traceTexels(const Mesh& mesh, const Occluders& occluders, const ApertureMap
   ApertureMapReport& report = baked.report;
   for (std::size_t i = 0; i < seen.size(); ++i) {
     texels[place[i]] = texelOf(seen[i], raster.sites[place[i]].coverage);
-    known[place[i]] = !seen[i].interior;
+    known[place[i]] = static_cast<char>(!seen[i].interior);
     report.interior += seen[i].interior;
     report.shut += !seen[i].interior && seen[i].visible == 0.0f;
   }
