@@ -8,6 +8,7 @@
 #include <glm/geometric.hpp>
 
 #include "bake/aperture_fit.h"
+#include "bake/clearance.h"
 #include "bake/random.h"
 
 namespace overcast {
@@ -49,7 +50,7 @@ Points distinctPoints(const Mesh& mesh) {
   return points;
 }
 
-/// Where each point looks from: pulled a little into its triangles, along the plane of its normal.
+/// Where each point looks from: pulled a little into its triangles, along the plane of its normal, and in front of all of them.
 std::vector<SurfacePoint> vertexOrigins(const Mesh& mesh, const Points& points) {
   std::vector<glm::dvec3> inward(points.first.size(), glm::dvec3(0.0));
   for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
@@ -70,6 +71,7 @@ std::vector<SurfacePoint> vertexOrigins(const Mesh& mesh, const Points& points) 
     const glm::dvec3 step = length > 1.0 ? along / length : along;
     origins.push_back({mesh.positions[points.first[i]] + pull * step, mesh.normals[points.first[i]]});
   }
+  clearOfTriangles(mesh, points.triangles, points.first, origins);
   return origins;
 }
 

@@ -61,10 +61,10 @@ void fields(Archive& archive, ApertureMapReport& report) {
 
 template <class Archive>
 void fields(Archive& archive, MeshBake& bake) {
-  auto& [mesh, input, source, sameAs, hash, faces, seconds, cached, asset, volume, found, ambiguousSign, sheetTriangles, surface, inBox,
-         choice, apertures, apertureMap, mapBytes, error, occluder] = bake;
-  archive(mesh, input, source, sameAs, hash, faces, seconds, asset, volume, found, ambiguousSign, sheetTriangles, surface, inBox, choice,
-          apertures, apertureMap, occluder);
+  auto& [mesh, input, source, sameAs, hash, faces, heights, seconds, cached, asset, volume, found, ambiguousSign, sheetTriangles, surface,
+         inBox, choice, apertures, apertureMap, mapBytes, error, occluder] = bake;
+  archive(mesh, input, source, sameAs, hash, faces, heights, seconds, asset, volume, found, ambiguousSign, sheetTriangles, surface, inBox,
+          choice, apertures, apertureMap, occluder);
 }
 
 template <class Archive>
@@ -116,6 +116,7 @@ bool restoreMesh(Cache& cache, MeshBake& job) {
   kept->input = job.input;
   kept->source = job.source;
   kept->sameAs = job.sameAs;
+  kept->heights = job.heights;
   job = std::move(*kept);
   job.cached = true;
   return true;

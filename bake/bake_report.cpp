@@ -148,7 +148,7 @@ std::string counted(std::uint64_t number, const char* one, const char* many) {
 
 std::string summaryLine(const MeshBake& mesh) {
   const std::string faces = counted(mesh.faces, "face", "faces");
-  const char* closed = mesh.found.closed ? "closed" : "open";
+  const char* closed = mesh.heights ? "terrain" : mesh.found.closed ? "closed" : "open";
   const std::string time = mesh.cached ? "cached" : fmt::format("{:.2f} s", mesh.seconds);
   if (mesh.choice) {
     const Score& winner = mesh.choice->scores[mesh.choice->chosen];

@@ -23,8 +23,9 @@ class List {
   std::vector<Defect> defects_;
 };
 
-void addOrientation(const MeshDiagnosis& found, List& list) {
-  list.add(found.boundaryEdges > 0, "open",
+void addOrientation(const MeshBake& mesh, List& list) {
+  const MeshDiagnosis& found = mesh.found;
+  list.add(found.boundaryEdges > 0 && !mesh.heights, "open",
            counted(found.boundaryEdges, "boundary edge", "boundary edges") + ": inside is decided by the winding number");
   list.add(found.inconsistentEdges > 0, "inconsistent",
            "turned " + counted(found.reorientedTriangles, "triangle", "triangles") + " to agree with their neighbours");
@@ -46,7 +47,10 @@ void addCounts(const MeshBake& mesh, List& list) {
   list.add(!soup && found.components >= kMany, "components", grouped(found.components) + " components, joined as they lie");
 }
 
-void addSurface(const SurfaceReport& surface, List& list) {
+void addSurface(const MeshBake& mesh, List& list) {
+  // A sheet of heights neither passes through itself nor has two sides: it only folds back within the tolerance of these checks.
+  if (mesh.heights) return;
+  const SurfaceReport& surface = mesh.surface;
   const std::string checked =
       surface.edgesChecked < surface.edges ? " of the " + grouped(surface.edgesChecked) + " looked at" : std::string();
   list.add(surface.edgesPiercing > 0, "self-intersecting",
@@ -59,7 +63,7 @@ void addSurface(const SurfaceReport& surface, List& list) {
 }
 
 void addField(const MeshBake& mesh, List& list) {
-  list.add(mesh.ambiguousSign > kUndecided, "undecided",
+  list.add(mesh.ambiguousSign > kUndecided && !mesh.heights, "undecided",
            fmt::format("inside and outside are a matter of opinion for {:.0f} % of the volume: the mesh is far from closed",
                        100.0 * mesh.ambiguousSign));
   const Occluder& occluder = mesh.occluder;
@@ -74,9 +78,9 @@ void addField(const MeshBake& mesh, List& list) {
 
 std::vector<Defect> defectsOf(const MeshBake& mesh) {
   List list;
-  addOrientation(mesh.found, list);
+  addOrientation(mesh, list);
   addCounts(mesh, list);
-  addSurface(mesh.surface, list);
+  addSurface(mesh, list);
   addField(mesh, list);
   return list.take();
 }

@@ -16,7 +16,8 @@ struct Defect {
   std::string text;
 };
 
-/// Everything found in a mesh that was baked; empty for a clean one.
+/// Everything found in a mesh that was baked; empty for a clean one. A terrain is an open sheet by design: of it nothing is said that
+/// follows from that (open, undecided, thin, self-intersecting, interior-walls).
 std::vector<Defect> defectsOf(const MeshBake& mesh);
 
 }  // namespace overcast

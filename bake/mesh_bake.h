@@ -45,6 +45,7 @@ struct MeshBake {
   int sameAs = -1;     ///< index of the MeshBake whose asset this one shares, or -1
   std::string hash;    ///< meshHash
   std::uint64_t faces = 0;
+  bool heights = false;  ///< made from a height file: open by design
   double seconds = 0.0;
   bool cached = false;                ///< came from the cache
   std::optional<EncodedAsset> asset;  ///< as stored; empty when shared or failed

@@ -193,6 +193,7 @@ SceneBake joinInputs(std::vector<BakeInput> inputs) {
       job.source = isMeshFile(input.path) || isTerrainFile(input.path) || mesh.name.empty() ? file : file + ": " + mesh.name;
       job.hash = meshHash(mesh, input.settings);
       job.faces = mesh.triangles.size();
+      job.heights = isTerrainFile(input.path);
       const auto [place, fresh] = known.emplace(job.hash, static_cast<int>(bake.meshes.size()));
       if (!fresh) job.sameAs = place->second;
       bake.meshes.push_back(std::move(job));

@@ -22,6 +22,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
+constexpr double kFlattest = 0.01;  ///< of the longer side: heights below this and above kSteepest are mentioned
+constexpr double kSteepest = 1.0;
 constexpr double kAssumedRelief = 0.2;  ///< of the longer side: how high the white of a PNG is taken to be
 
 enum class Format { png, exr, esri, usgs };
@@ -37,11 +39,31 @@ Format formatOf(std::span<const std::byte> bytes, std::string_view text) {
   return isEsriText(text) ? Format::esri : Format::usgs;
 }
 
+/// Says so when values taken as metres make a plate or a needle: most such pictures hold something else.
+void noteUnlikely(Terrain& terrain, double longer) {
+  float low = kHighestTerrain, high = -kHighestTerrain;
+  for (const float height : terrain.heights) {
+    if (std::isnan(height)) continue;
+    low = std::min(low, height);
+    high = std::max(high, height);
+  }
+  const double relief = double{high} - double{low};
+  if (relief > 0.0 && (relief < kFlattest * longer || relief > kSteepest * longer))
+    terrain.notes.push_back(
+        fmt::format("its values taken as metres make it {:.3g} m high over {:g} m: --terrain-spacing or --terrain-height may be missing",
+                    relief, longer));
+}
+
 /// Gives the values of a picture their size in the world.
 void placePicture(Terrain& terrain, bool png, const TerrainOptions& options) {
-  if (!options.spacing) terrain.notes.push_back("does not say how far its samples lie apart: 1 m assumed (--terrain-spacing sets it)");
-  if (!png && !options.height) return;
   const double longer = (std::max(terrain.columns, terrain.rows) - 1) * terrain.spacing.x;
+  if (!options.spacing)
+    terrain.notes.push_back(fmt::format(
+        "does not say how far its samples lie apart: 1 m assumed, {:g} m along its longer side (--terrain-spacing sets it)", longer));
+  if (!png && !options.height) {
+    noteUnlikely(terrain, longer);
+    return;
+  }
   const glm::dvec2 range = options.height.value_or(glm::dvec2(0.0, kAssumedRelief * longer));
   if (!options.height)
     terrain.notes.push_back(

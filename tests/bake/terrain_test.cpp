@@ -327,6 +327,20 @@ TEST(TerrainApertures, ofAValleyAreTheWedgeBetweenItsSides) {
   EXPECT_LT(slope.direction.x, -0.05);
 }
 
+TEST(TerrainApertures, ofARavineDoNotStartBehindItsWalls) {
+  // At the bottom between walls of 6 and 30 to 1 the larger triangles of the steeper wall turn the normal into the other wall. What is open
+  // is the wedge between them, which lies within the hemisphere about that normal.
+  const Mesh mesh = meshOf(terrainOf(17, 401, [](double x, double) { return x < 8.0 ? 6.0 * (8.0 - x) : 30.0 * (x - 8.0); }));
+  const BakedApertures baked = aperturesOf(mesh);
+  EXPECT_EQ(baked.report.interior, 0u);
+  EXPECT_EQ(baked.report.inward, 0u);
+  const Seen bottom = seenAt(mesh, baked, {0.0, 0.0});
+  const double open = std::numbers::pi - std::atan(6.0) - std::atan(30.0);
+  EXPECT_NEAR(bottom.visible, open / std::numbers::pi, 0.006);
+  const double middle = 0.5 * (std::atan(30.0) + std::numbers::pi - std::atan(6.0));
+  EXPECT_NEAR(bottom.direction.x, std::cos(middle), 0.02);
+}
+
 TEST(TerrainMesh, ofMountSaintHelensIsWhole) {
   const fs::path file = fs::path(OVERCAST_SOURCE_FOLDER) / "../shared/meshes/terrain/sthelens_usgs.dem";
   if (!fs::exists(file)) GTEST_SKIP() << "no ../shared/meshes/terrain here";

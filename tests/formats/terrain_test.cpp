@@ -99,6 +99,20 @@ TEST(Terrain, ofAnExrIsInMetresUnlessStretched) {
   EXPECT_EQ(readTerrain(folder / "a.exr", options).value().heights, (std::vector<float>{10.0f, 20.0f, 30.0f, 30.0f, 40.0f, 50.0f}));
 }
 
+TEST(Terrain, ofAnExrThatIsAPlateOrANeedleSaysSo) {
+  const TemporaryFolder folder;
+  for (const auto& [rise, notes] : {std::pair(1e-3, 2u), {0.1, 1u}, {5.0, 2u}, {0.0, 1u}}) {
+    writeHeightExr(folder / "a.exr", Heights(11, 6, [rise = rise](int x, int) { return rise * x; }));
+    const auto read = readTerrain(folder / "a.exr");
+    ASSERT_TRUE(read) << message(read.error());
+    EXPECT_EQ(read.value().notes.size(), notes) << rise;
+  }
+  TerrainOptions options;
+  options.height = glm::dvec2(0.0, 1.0);
+  options.spacing = 1.0;
+  EXPECT_TRUE(readTerrain(folder / "a.exr", options).value().notes.empty());
+}
+
 TEST(Terrain, inDegreesIsSmallerTowardsThePoles) {
   // Arc seconds: 3 of them at 60 degrees north are 46.5 m east-west (WGS 84: 55800 m per degree) and 92.8 m north-south (111412 m).
   test::UsgsSettings settings;

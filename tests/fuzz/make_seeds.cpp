@@ -1,10 +1,13 @@
-// overcast-make-seeds CORPUS: small valid files of the binary formats into CORPUS/<fuzzer>. Without them a fuzzer spends its time before
-// magic numbers, checksums and compressed blocks.
+// overcast-make-seeds CORPUS: small valid files of binary and fixed-column formats into CORPUS/<fuzzer>. Without them a fuzzer spends its
+// time before magic numbers, checksums and compressed blocks.
+#include <algorithm>
 #include <cstdio>
 #include <filesystem>
+#include <fstream>
 #include <string>
 #include <vector>
 
+#include <fmt/format.h>
 #include <glm/vec2.hpp>
 
 #include "formats/aperture_map.h"
@@ -74,6 +77,54 @@ bool writePngs(const fs::path& folder) {
          reported(writePng(folder / "rgba.png", smallImage(5, 1, {"R", "G", "B", "A"})));
 }
 
+/// A record of a USGS DEM: fields at their columns, filled up to whole blocks.
+std::string usgsRecord(const std::vector<std::pair<std::size_t, std::string>>& fields) {
+  std::string record(1024, ' ');
+  for (const auto& [column, text] : fields) {
+    if (column + text.size() > record.size()) record.resize((column + text.size() + 1023) / 1024 * 1024, ' ');
+    std::copy(text.begin(), text.end(), record.begin() + static_cast<std::ptrdiff_t>(column));
+  }
+  return record;
+}
+
+/// Two profiles, the second with more heights than its first block holds.
+std::string smallUsgs() {
+  std::string text = usgsRecord({{150, "     1"}, {528, "     2     2"}, {816, "  3.0000D+01  3.0000D+01  1.0000D+00"}, {858, "     2"}});
+  for (const int count : {3, 150}) {
+    std::string heights;
+    for (int i = 0; i < count; ++i) heights += fmt::format("{:6}", i % 5 == 4 ? -32767 : 100 + i);
+    const std::string head = fmt::format("     1{:6}{:6}     1{:24}{:24}{:24}", count > 3 ? 2 : 1, count, count > 3 ? "530.0D0" : "500.0D0",
+                                         "4000.0D0", "0.0D0");
+    const std::size_t first = 6 * std::min<std::size_t>(static_cast<std::size_t>(count), 146);
+    text += usgsRecord({{0, head}, {144, heights.substr(0, first)}, {1024, heights.substr(first)}}).substr(0, count > 146 ? 2048 : 1024);
+  }
+  return text;
+}
+
+bool writeText(const fs::path& path, const std::string& text) {
+  std::ofstream file(path, std::ios::binary);
+  file.write(text.data(), static_cast<std::streamsize>(text.size()));
+  file.close();
+  if (!file.good()) std::fprintf(stderr, "overcast-make-seeds: %s: cannot be written\n", path.c_str());
+  return file.good();
+}
+
+// Our own writer makes no grey PNG: the one here is 2 x 2 of 16 bits, its pixels stored and not packed.
+bool writeTerrains(const fs::path& folder) {
+  constexpr unsigned char kGrey[] = {0x89, 0x50, 0x4e, 0x47, 0x0d, 0x0a, 0x1a, 0x0a, 0x00, 0x00, 0x00, 0x0d, 0x49, 0x48, 0x44, 0x52,
+                                     0x00, 0x00, 0x00, 0x02, 0x00, 0x00, 0x00, 0x02, 0x10, 0x00, 0x00, 0x00, 0x00, 0x07, 0x4d, 0x8e,
+                                     0xbb, 0x00, 0x00, 0x00, 0x15, 0x49, 0x44, 0x41, 0x54, 0x78, 0x01, 0x01, 0x0a, 0x00, 0xf5, 0xff,
+                                     0x00, 0x00, 0x00, 0x4e, 0x20, 0x00, 0x9c, 0x40, 0xff, 0xff, 0x09, 0x19, 0x03, 0x49, 0xee, 0x82,
+                                     0x68, 0x28, 0x00, 0x00, 0x00, 0x00, 0x49, 0x45, 0x4e, 0x44, 0xae, 0x42, 0x60, 0x82};
+  std::error_code code;
+  fs::create_directories(folder, code);
+  return reported(writeExr(folder / "heights.exr", smallImage(3, 2, {"Y"}), ExrBits::single)) &&
+         writeText(folder / "heights.png", std::string(std::begin(kGrey), std::end(kGrey))) &&
+         writeText(folder / "grid.asc", "ncols 3\nnrows 2\nxllcorner 5\nyllcorner 7\ncellsize 30\nNODATA_value -1\n1 2 3\n4 -1 6.5\n") &&
+         writeText(folder / "degrees.asc", "ncols 2\nnrows 2\nxllcenter 10\nyllcenter 60\ndx 0.001\ndy 1e-3\n1 2 3 4\n") &&
+         writeText(folder / "blocks.dem", smallUsgs());
+}
+
 }  // namespace
 
 int main(int count, char** arguments) {
@@ -83,7 +134,7 @@ int main(int count, char** arguments) {
   }
   const fs::path corpus = arguments[1];
   return writeVolumes(corpus / "vdb") && writeExrs(corpus / "exr") && writePngs(corpus / "png") &&
-                 writeApertureMaps(corpus / "aperture_map")
+                 writeApertureMaps(corpus / "aperture_map") && writeTerrains(corpus / "terrain")
              ? 0
              : 1;
 }
