@@ -174,7 +174,8 @@ std::vector<ApertureSample> storedSamples(const Points& points, const VertexVisi
     ApertureSample sample;
     sample.direction = glm::dvec3(visibility.apertures[vertex].direction);
     sample.radius = double{visibility.apertures[vertex].radius};
-    sample.ambient = double{visibility.ambient[vertex]};
+    if (!visibility.ambient.empty()) sample.ambient = double{visibility.ambient[vertex]};
+    if (!visibility.transfer.empty()) std::copy_n(visibility.transfer[vertex].begin(), sample.transfer.size(), sample.transfer.begin());
     samples.push_back(sample);
   }
   return samples;
@@ -264,6 +265,30 @@ BakedApertures bakeApertures(const Mesh& mesh, const Occluders& occluders, const
   job.report.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   baked.report = job.report;
   return baked;
+}
+
+InterpolationError measureApertures(const Mesh& mesh, const Occluders& occluders, const ApertureSettings& settings) {
+  const Progress progress;
+  Job job{mesh, settings, progress, occluders, distinctPoints(mesh), {}, {}, {}};
+  return errorOf(storedSamples(job.points, *mesh.visibility), job.observed(settings.errorSamples, settings.seed));
+}
+
+std::vector<VertexLook> lookAgain(const Mesh& mesh, const Occluders& occluders, const VisibilitySettings& settings, std::size_t count,
+                                  std::uint64_t seed) {
+  const Points points = distinctPoints(mesh);
+  const std::vector<SurfacePoint> origins = vertexOrigins(mesh, points);
+  const std::vector<ApertureSample> stored = storedSamples(points, *mesh.visibility);
+  std::vector<SurfacePoint> from;
+  std::vector<VertexLook> looks;
+  const double every = std::max(1.0, static_cast<double>(origins.size()) / static_cast<double>(count));
+  for (double at = every > 1.0 ? every * uniform(seed, 0) : 0.0; at < static_cast<double>(origins.size()); at += every) {
+    const auto point = static_cast<std::size_t>(at);
+    from.push_back(origins[point]);
+    looks.push_back({points.first[point], stored[point], {}});
+  }
+  const std::vector<PointVisibility> seen = traceVisibility(occluders, from, settings);
+  for (std::size_t i = 0; i < looks.size(); ++i) looks[i].seen = sampleOf(seen[i]);
+  return looks;
 }
 
 Result<BakedApertures> bakeApertures(const Mesh& mesh, const ApertureSettings& settings, const Progress& progress) {

@@ -62,6 +62,10 @@ BakedApertures bakeApertures(const Mesh& mesh, const Occluders& occluders, const
 /// The same for a mesh by itself. An Error without a file when it has no extent or there is no memory.
 Result<BakedApertures> bakeApertures(const Mesh& mesh, const ApertureSettings& settings, const Progress& progress = {});
 
+/// The error of what `mesh` carries (visibility with apertures, normals) as bakeApertures with these settings reports it. Without its
+/// ambient visibility, which packed32 does not store, the error of that means nothing.
+InterpolationError measureApertures(const Mesh& mesh, const Occluders& occluders, const ApertureSettings& settings);
+
 inline constexpr double kVertexPull = 2e-6;
 inline constexpr double kCoarse = 0.02;  ///< radians of radius, or share of ambient visibility
 
@@ -72,6 +76,18 @@ struct ApertureSample {
   double ambient = 0.0;
   std::array<double, 9> transfer{};
 };
+
+/// What a vertex carries, and what rays see from where its bake looked from.
+struct VertexLook {
+  std::uint32_t vertex = 0;
+  ApertureSample stored;  ///< ambient 0 and transfer zeros where these are not stored
+  ApertureSample seen;
+};
+
+/// Looks from `count` of the mesh's distinct points (all if there are no more), drawn with `seed`, with rays that the bake did not send.
+/// The mesh carries apertures and normals.
+std::vector<VertexLook> lookAgain(const Mesh& mesh, const Occluders& occluders, const VisibilitySettings& settings, std::size_t count,
+                                  std::uint64_t seed);
 
 /// A point of the surface as a renderer shades it: barycentric coordinates in a triangle, and the interpolated normal.
 struct SurfaceSample {

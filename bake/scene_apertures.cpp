@@ -47,60 +47,73 @@ void separateMeshes(SceneBake& bake, const std::vector<char>& moving) {
   }
 }
 
-/// What every mesh sees: its own tree, and the trees of others as their nodes place them.
-struct Stage {
-  std::vector<RayScenePointer> trees;  ///< by mesh; null where no node shows it
-  std::vector<glm::dmat4> world;       ///< worldFromLocal of nodes
-  std::vector<int> resting;            ///< nodes that see each other
-};
-
-Result<SurroundingsPointer> surroundingsOf(const Stage& stage, const Scene& scene, int mesh) {
-  const auto node = std::find_if(stage.resting.begin(), stage.resting.end(), [&](int n) { return scene.nodes[at(n)].mesh == mesh; });
-  if (node == stage.resting.end() || glm::determinant(glm::dmat3(stage.world[at(*node)])) == 0.0) return SurroundingsPointer();
-  const glm::dmat4 localFromWorld = glm::inverse(stage.world[at(*node)]);
-  std::vector<Neighbour> neighbours;
-  for (const int other : stage.resting)
-    if (other != *node) neighbours.push_back({stage.trees[at(scene.nodes[at(other)].mesh)].get(), localFromWorld * stage.world[at(other)]});
-  return surround(*stage.trees[at(mesh)], neighbours);
-}
-
 Error failureOf(const SceneBake& bake, const MeshBake& job, const std::string& reason) {
   return Error{bake.inputs[at(job.input)].string(), bake.scene.meshes[at(job.mesh)].name, reason};
 }
 
-/// Normals and trees of all meshes that are shown.
-Stage setStage(SceneBake& bake, const std::vector<char>& moving, const SceneApertureSettings& settings) {
+/// A stage without trees.
+Stage emptyStage(const Scene& scene) {
   Stage stage;
-  stage.trees.resize(bake.scene.meshes.size());
-  stage.world = worldFromLocal(bake.scene, 0.0);
-  std::vector<char> shown(bake.scene.meshes.size(), 0);
-  for (const Node& node : bake.scene.nodes)
+  stage.trees.resize(scene.meshes.size());
+  stage.world = worldFromLocal(scene, 0.0);
+  return stage;
+}
+
+std::vector<char> shownMeshes(const Scene& scene) {
+  std::vector<char> shown(scene.meshes.size(), 0);
+  for (const Node& node : scene.nodes)
     if (node.mesh >= 0) shown[at(node.mesh)] = 1;
+  return shown;
+}
+
+Result<Done> addTree(Stage& stage, const Scene& scene, int mesh, const RayScene*& family) {
+  auto tree = makeRayScene(scene.meshes[at(mesh)], family);
+  if (!tree) return tree.error();
+  stage.trees[at(mesh)] = std::move(tree).value();
+  family = stage.trees[at(mesh)].get();
+  return Done{};
+}
+
+/// Lets the nodes that no animation moves see each other.
+void addResting(Stage& stage, const Scene& scene, const std::vector<char>& moving) {
+  for (std::size_t n = 0; n < moving.size(); ++n) {
+    const int mesh = scene.nodes[n].mesh;
+    if (!moving[n] && mesh >= 0 && stage.trees[at(mesh)]) stage.resting.push_back(static_cast<int>(n));
+  }
+}
+
+/// Normals and trees of all meshes that are shown.
+Stage prepare(SceneBake& bake, const std::vector<char>& moving, const SceneApertureSettings& settings) {
+  Stage stage = emptyStage(bake.scene);
+  const std::vector<char> shown = shownMeshes(bake.scene);
   const RayScene* family = nullptr;
   for (MeshBake& job : bake.meshes) {
     if (job.error || !shown[at(job.mesh)]) continue;
     Mesh& mesh = bake.scene.meshes[at(job.mesh)];
     if (mesh.normals.empty()) mesh = withNormals(std::move(mesh));
     mendNormals(mesh);
-    if (settings.map) {
-      const auto laidOut = layOut(mesh, *settings.map);
-      if (!laidOut) job.error = failureOf(bake, job, laidOut.error().reason);
-      if (!laidOut) continue;
-    }
-    auto tree = makeRayScene(mesh, family);
-    if (!tree) job.error = failureOf(bake, job, tree.error().reason);
-    if (!tree) continue;
-    stage.trees[at(job.mesh)] = std::move(tree).value();
-    family = stage.trees[at(job.mesh)].get();
+    const auto laidOut = settings.map ? layOut(mesh, *settings.map) : Result<Done>(Done{});
+    const auto added = laidOut ? addTree(stage, bake.scene, job.mesh, family) : laidOut;
+    if (!added) job.error = failureOf(bake, job, added.error().reason);
   }
-  for (std::size_t n = 0; n < moving.size() && settings.occluders == Occluding::scene; ++n) {
-    const int mesh = bake.scene.nodes[n].mesh;
-    if (!moving[n] && mesh >= 0 && stage.trees[at(mesh)]) stage.resting.push_back(static_cast<int>(n));
-  }
+  if (settings.occluders == Occluding::scene) addResting(stage, bake.scene, moving);
   return stage;
 }
 
-void giveVertices(MeshBake& job, Mesh& mesh, BakedApertures baked) {
+ApertureBake bakeOf(const SceneApertureSettings& settings, const ApertureReport& report) {
+  const ApertureSettings& aperture = settings.aperture;
+  return {static_cast<std::uint32_t>(aperture.visibility.rays),
+          settings.occluders == Occluding::scene,
+          report.fitted,
+          aperture.errorSamples,
+          aperture.seed,
+          report.error.radius,
+          report.error.ambient,
+          report.error.direction};
+}
+
+void giveVertices(MeshBake& job, Mesh& mesh, const SceneApertureSettings& settings, BakedApertures baked) {
+  mesh.apertureBake = bakeOf(settings, baked.report);
   mesh.visibility = std::move(baked.visibility);
   mesh.apertureMap.reset();
   job.apertures = baked.report;
@@ -111,6 +124,7 @@ void giveMap(MeshBake& job, Mesh& mesh, BakedApertureMap baked) {
   baked.report.bytes = job.mapBytes.size();
   job.apertureMap = baked.report;
   mesh.visibility.reset();
+  mesh.apertureBake.reset();
   ApertureLink& link = mesh.apertureMap.emplace();
   link.contentHash = contentHash(job.mapBytes);
   link.bytes = job.mapBytes.size();
@@ -121,6 +135,29 @@ void giveMap(MeshBake& job, Mesh& mesh, BakedApertureMap baked) {
 }
 
 }  // namespace
+
+Result<Stage> setStage(const Scene& scene, Occluding occluders) {
+  Stage stage = emptyStage(scene);
+  const std::vector<char> shown = shownMeshes(scene);
+  const RayScene* family = nullptr;
+  for (std::size_t mesh = 0; mesh < scene.meshes.size(); ++mesh) {
+    if (!shown[mesh]) continue;
+    const auto added = addTree(stage, scene, static_cast<int>(mesh), family);
+    if (!added) return Error{"", scene.meshes[mesh].name, added.error().reason};
+  }
+  if (occluders == Occluding::scene) addResting(stage, scene, movingNodes(scene));
+  return stage;
+}
+
+Result<SurroundingsPointer> surroundingsOf(const Stage& stage, const Scene& scene, int mesh) {
+  const auto node = std::find_if(stage.resting.begin(), stage.resting.end(), [&](int n) { return scene.nodes[at(n)].mesh == mesh; });
+  if (node == stage.resting.end() || glm::determinant(glm::dmat3(stage.world[at(*node)])) == 0.0) return SurroundingsPointer();
+  const glm::dmat4 localFromWorld = glm::inverse(stage.world[at(*node)]);
+  std::vector<Neighbour> neighbours;
+  for (const int other : stage.resting)
+    if (other != *node) neighbours.push_back({stage.trees[at(scene.nodes[at(other)].mesh)].get(), localFromWorld * stage.world[at(other)]});
+  return surround(*stage.trees[at(mesh)], neighbours);
+}
 
 std::string settingsText(const SceneApertureSettings& settings) {
   if (const auto& map = settings.map)
@@ -135,7 +172,7 @@ std::string settingsText(const SceneApertureSettings& settings) {
 void bakeSceneApertures(SceneBake& bake, const SceneApertureSettings& settings, const Progress& progress, const MeshDone& done) {
   const std::vector<char> moving = movingNodes(bake.scene);
   if (settings.occluders == Occluding::scene) separateMeshes(bake, moving);
-  const Stage stage = setStage(bake, moving, settings);
+  const Stage stage = prepare(bake, moving, settings);
   const auto count = static_cast<double>(bake.meshes.size());
   for (std::size_t i = 0; i < bake.meshes.size(); ++i) {
     MeshBake& job = bake.meshes[i];
@@ -153,7 +190,7 @@ void bakeSceneApertures(SceneBake& bake, const SceneApertureSettings& settings, 
     if (settings.map)
       giveMap(job, mesh, bakeApertureMap(mesh, occluders, *settings.map, share));
     else
-      giveVertices(job, mesh, bakeApertures(mesh, occluders, settings.aperture, share));
+      giveVertices(job, mesh, settings, bakeApertures(mesh, occluders, settings.aperture, share));
     if (stopped) return;
     if (done) done(job);
   }

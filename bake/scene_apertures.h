@@ -18,6 +18,20 @@ struct SceneApertureSettings {
   Occluding occluders = Occluding::self;
 };
 
+/// What every mesh of a scene sees: its own tree, and the trees of others as their nodes place them.
+struct Stage {
+  std::vector<RayScenePointer> trees;  ///< by mesh; null where no node shows it
+  std::vector<glm::dmat4> world;       ///< worldFromLocal of nodes
+  std::vector<int> resting;            ///< nodes that see each other
+};
+
+/// For the meshes of a baked scene; it must not change. An Error without a file, its place the mesh, when one has no extent or there is no
+/// memory.
+Result<Stage> setStage(const Scene& scene, Occluding occluders);
+
+/// What is around this mesh, where anything is; the stage must outlive it. An Error without a file when memory runs out.
+Result<SurroundingsPointer> surroundingsOf(const Stage& stage, const Scene& scene, int mesh);
+
 /// All settings that change what is baked, as text: equal exactly when all of them are.
 std::string settingsText(const SceneApertureSettings& settings);
 

@@ -128,6 +128,7 @@ Result<std::vector<std::string>> validate(const fs::path& path) {
     const auto map = readApertureMap(path.parent_path(), *mesh.apertureMap);
     if (!map) findings.push_back(fmt::format("{}: mesh '{}': {}", path.string(), mesh.name, message(map.error())));
   }
+  for (const std::string& note : scene.value().notes) findings.push_back(path.string() + ": " + note);
   if (meshNodes == 0) findings.push_back(path.string() + ": holds no mesh");
   return findings;
 }

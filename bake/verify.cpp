@@ -1,5 +1,6 @@
 #include "bake/verify.h"
 
+#include <algorithm>
 #include <cmath>
 #include <map>
 
@@ -7,8 +8,10 @@
 #include "bake/measure.h"
 #include "bake/scene_bake.h"
 #include "bake/sign.h"
+#include "bake/verify_apertures.h"
 #include "formats/asset.h"
 #include "formats/extension_json.h"
+#include "formats/normals.h"
 #include "formats/scene.h"
 
 namespace overcast {
@@ -99,10 +102,31 @@ std::vector<std::string> verifyOccluder(const Occluder& occluder, const fs::path
   return findings;
 }
 
+/// Whether `mesh` is `source` as a bake writes it, but for what it added: then the source knows the positions better.
+bool isWritten(const Mesh& mesh, const Mesh& source) {
+  const auto same = [](const glm::dvec3& written, const glm::dvec3& p) { return glm::vec3(written) == glm::vec3(p); };
+  return mesh.triangles == source.triangles &&
+         std::equal(mesh.positions.begin(), mesh.positions.end(), source.positions.begin(), source.positions.end(), same);
+}
+
+using Sources = std::map<std::string, std::vector<const Mesh*>>;
+
+/// Gives the meshes of a baked scene the positions of their sources, where these are the same in single floats.
+void placeAsBaked(Scene& scene, const Sources& sources) {
+  for (const Node& node : scene.nodes) {
+    if (node.mesh < 0 || !node.occluder || !sources.contains(node.occluder->source)) continue;
+    Mesh& mesh = scene.meshes[static_cast<std::size_t>(node.mesh)];
+    for (const Mesh* candidate : sources.at(node.occluder->source)) {
+      const Mesh source = candidate->normals.empty() ? withNormals(Mesh(*candidate)) : *candidate;
+      if (isWritten(mesh, source)) mesh.positions = source.positions;
+    }
+  }
+}
+
 }  // namespace
 
 Result<std::vector<std::string>> verify(const fs::path& path, const std::vector<fs::path>& sources, const TerrainOptions& terrain) {
-  const auto scene = readScene(path);
+  auto scene = readScene(path);
   if (!scene) return scene.error();
   std::vector<BakeInput> inputs;
   for (const fs::path& source : sources) {
@@ -111,7 +135,7 @@ Result<std::vector<std::string>> verify(const fs::path& path, const std::vector<
     inputs.push_back(std::move(input).value());
   }
   const SceneBake known = joinInputs(std::move(inputs));
-  std::map<std::string, std::vector<const Mesh*>> bySource;
+  Sources bySource;
   for (const MeshBake& mesh : known.meshes) bySource[mesh.source].push_back(&known.scene.meshes[static_cast<std::size_t>(mesh.mesh)]);
 
   std::vector<std::string> findings;
@@ -126,6 +150,8 @@ Result<std::vector<std::string>> verify(const fs::path& path, const std::vector<
     for (const std::string& finding : entry->second)
       findings.push_back(fmt::format("{}: node {} '{}': {}", path.string(), i, node.name, finding));
   }
+  placeAsBaked(scene.value(), bySource);
+  for (const std::string& finding : verifyApertures(scene.value())) findings.push_back(path.string() + ": " + finding);
   if (occluders == 0) findings.push_back(path.string() + ": holds no occluder");
   return findings;
 }

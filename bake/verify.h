@@ -1,4 +1,4 @@
-// Verify: whether a baked scene tells the truth about its occluders, by measuring them again from the source meshes.
+// Verify: whether a baked scene tells the truth about its occluders and apertures, by measuring them again from the source meshes.
 #pragma once
 
 #include <filesystem>
@@ -18,8 +18,8 @@ inline constexpr double kVerifySlack = 1e-6;
 /// One line per finding, each naming the node; empty when all is well. Every occluder's source (by file name, and mesh name in a scene) is
 /// looked for among `sources`; its asset is read (file, content hash), its bounds, sign method and Lipschitz bound are compared, and its
 /// error is measured anew with the stated samples and seed (bake/measure.h): every stated figure must come out again. An asset that states
-/// no error, or one of a method this program does not know, is a finding. `terrain`: as given to the bake. An Error when `scene` or a
-/// source cannot be read.
+/// no error, or one of a method this program does not know, is a finding. Apertures at vertices: bake/verify_apertures.h; aperture maps:
+/// not measured. `terrain`: as given to the bake. An Error when `scene` or a source cannot be read.
 Result<std::vector<std::string>> verify(const std::filesystem::path& scene, const std::vector<std::filesystem::path>& sources,
                                         const TerrainOptions& terrain = {});
 

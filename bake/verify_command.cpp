@@ -13,7 +13,7 @@
 namespace overcast {
 
 int verifyCommand(const std::vector<std::string>& arguments) {
-  CLI::App app("Measures the occluders of a baked scene again from their source meshes; prints one line for every lie.",
+  CLI::App app("Measures the occluders and apertures of a baked scene again from their source meshes; prints one line for every lie.",
                "overcast-bake verify");
   std::filesystem::path scene;
   std::vector<std::filesystem::path> sources;

@@ -15,6 +15,9 @@ namespace overcast {
 namespace {
 
 constexpr int kLargestTexCoord = 31;
+constexpr std::uint32_t kMostApertureRays = 1u << 20;
+constexpr const char* kSelfOccludes = "self";
+constexpr const char* kSceneOccludes = "scene";
 constexpr double kLargestFloat = 3.4e38;
 constexpr double kMostOfEstimator = 1e3;  ///< of weights, spreads and powers
 constexpr double kTinyFloat = std::numeric_limits<float>::min();
@@ -107,6 +110,23 @@ void readAperture(Fields& fields, ApertureLink& link) {
   error.number("radius", link.radiusError, 0.0, kLargestNumber);
   error.number("ambient", link.ambientError, 0.0, kLargestNumber);
   error.number("direction", link.directionError, 0.0, kLargestNumber);
+}
+
+void readApertureBake(Fields& fields, ApertureBake& bake) {
+  constexpr std::uint64_t largest = std::numeric_limits<std::uint64_t>::max();
+  fields.version(kApertureBakeVersion);
+  fields.integer("rays", bake.rays, std::uint32_t{1}, kMostApertureRays);
+  std::string occluders;
+  fields.text("occluders", occluders, false);
+  bake.sceneOccludes = occluders == kSceneOccludes;
+  if (!bake.sceneOccludes && occluders != kSelfOccludes) fields.fail("occluders", fmt::format("'{}' is neither self nor scene", occluders));
+  fields.flag("fitted", bake.fitted);
+  fields.integer("samples", bake.samples, std::uint64_t{0}, largest);
+  fields.integer("seed", bake.seed, std::uint64_t{0}, largest);
+  Fields error = fields.child("error");
+  error.number("radius", bake.radiusError, 0.0, kLargestNumber);
+  error.number("ambient", bake.ambientError, 0.0, kLargestNumber);
+  error.number("direction", bake.directionError, 0.0, kLargestNumber);
 }
 
 void readSun(Fields fields, Sun& sun) {
@@ -250,6 +270,16 @@ std::string apertureJson(const ApertureLink& link) {
   return dumpJson(json);
 }
 
+std::string apertureBakeJson(const ApertureBake& bake) {
+  return dumpJson({{"version", kApertureBakeVersion},
+                   {"rays", bake.rays},
+                   {"occluders", bake.sceneOccludes ? kSceneOccludes : kSelfOccludes},
+                   {"fitted", bake.fitted},
+                   {"samples", bake.samples},
+                   {"seed", bake.seed},
+                   {"error", {{"radius", bake.radiusError}, {"ambient", bake.ambientError}, {"direction", bake.directionError}}}});
+}
+
 Result<Occluder> parseOccluder(std::string_view json, const std::string& place) {
   return parseObject<Occluder>(json, place, readOccluder);
 }
@@ -260,6 +290,10 @@ Result<Lighting> parseLighting(std::string_view json, const std::string& place) 
 
 Result<ApertureLink> parseAperture(std::string_view json, const std::string& place) {
   return parseObject<ApertureLink>(json, place, readAperture);
+}
+
+Result<ApertureBake> parseApertureBake(std::string_view json, const std::string& place) {
+  return parseObject<ApertureBake>(json, place, readApertureBake);
 }
 
 }  // namespace overcast

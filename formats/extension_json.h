@@ -1,10 +1,12 @@
-// The JSON of the glTF extensions OVERCAST_occluder (on nodes), OVERCAST_lighting (on the scene) and OVERCAST_aperture (on meshes). What
-// each field means and may hold is in formats/schema/*.schema.json; these functions hold to the schemas.
+// The JSON of the glTF extensions OVERCAST_occluder (on nodes), OVERCAST_lighting (on the scene), OVERCAST_aperture and
+// OVERCAST_aperture_bake (on meshes). What each field means and may hold is in formats/schema/*.schema.json; these functions hold to the
+// schemas.
 #pragma once
 
 #include <string>
 #include <string_view>
 
+#include "formats/aperture_bake.h"
 #include "formats/aperture_link.h"
 #include "formats/lighting.h"
 #include "formats/occluder.h"
@@ -16,6 +18,7 @@ namespace overcast {
 std::string occluderJson(const Occluder& occluder);
 std::string lightingJson(const Lighting& lighting);
 std::string apertureJson(const ApertureLink& link);
+std::string apertureBakeJson(const ApertureBake& bake);
 
 /// The double with the fewest digits that reads back as `value`: JSON then says 0.05 and not 0.05000000074505806.
 double shortest(float value);
@@ -26,5 +29,6 @@ double shortest(float value);
 Result<Occluder> parseOccluder(std::string_view json, const std::string& place);
 Result<Lighting> parseLighting(std::string_view json, const std::string& place);
 Result<ApertureLink> parseAperture(std::string_view json, const std::string& place);
+Result<ApertureBake> parseApertureBake(std::string_view json, const std::string& place);
 
 }  // namespace overcast

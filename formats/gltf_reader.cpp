@@ -156,7 +156,14 @@ Result<Mesh> readMesh(const tinygltf::Model& model, int index, Tally& tally) {
     if (!parsed) return parsed.error();
     link = std::move(parsed).value();
   }
+  std::optional<ApertureBake> bake;
+  if (const auto text = extensionText(model.meshes[at(index)].extensions_json_string, "OVERCAST_aperture_bake")) {
+    auto parsed = parseApertureBake(*text, fmt::format("meshes/{}/extensions/OVERCAST_aperture_bake", index));
+    if (!parsed) return parsed.error();
+    bake = std::move(parsed).value();
+  }
   auto mesh = readGltfMesh(model, index, link ? std::exchange(link->texCoord, 0) : 0, tally);
+  if (mesh && mesh.value().visibility) mesh.value().apertureBake = bake;
   if (!mesh || !link) return mesh;
   if (mesh.value().textureCoordinates.empty() || mesh.value().normals.empty())
     ++tally["meshes have an aperture map, but no texture coordinates or normals on all primitives; it was left out"];

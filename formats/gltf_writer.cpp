@@ -181,6 +181,12 @@ Result<Json> meshJson(Mesh mesh, std::size_t index, Binary& binary) {
   Json json = named(mesh.name);
   json["primitives"] = std::move(primitives);
   if (mesh.levels) json["extensions"]["OVERCAST_levels"] = levelsJson(*mesh.levels, binary);
+  if (mesh.apertureBake) {
+    const std::string text = apertureBakeJson(*mesh.apertureBake);
+    const auto readable = parseApertureBake(text, fmt::format("meshes/{}/extensions/OVERCAST_aperture_bake", index));
+    if (!readable) return readable.error();
+    json["extensions"]["OVERCAST_aperture_bake"] = Json::parse(text);
+  }
   if (!mesh.apertureMap) return json;
   const std::string text = apertureJson(*mesh.apertureMap);
   const auto readable = parseAperture(text, fmt::format("meshes/{}/extensions/OVERCAST_aperture", index));
@@ -410,6 +416,8 @@ Result<std::vector<std::filesystem::path>> writeScene(const std::filesystem::pat
   Json used = Json::array();
   if (std::any_of(scene.meshes.begin(), scene.meshes.end(), [](const Mesh& mesh) { return mesh.apertureMap && !mesh.triangles.empty(); }))
     used.push_back("OVERCAST_aperture");
+  if (std::any_of(scene.meshes.begin(), scene.meshes.end(), [](const Mesh& mesh) { return mesh.apertureBake && !mesh.triangles.empty(); }))
+    used.push_back("OVERCAST_aperture_bake");
   if (std::any_of(scene.meshes.begin(), scene.meshes.end(), [](const Mesh& mesh) { return mesh.levels && !mesh.triangles.empty(); }))
     used.push_back("OVERCAST_levels");
   if (scene.lighting) used.push_back("OVERCAST_lighting");

@@ -100,6 +100,12 @@ class Fields {
     out = glm::dquat(xyzw.w, xyzw.x, xyzw.y, xyzw.z);
   }
 
+  void flag(const char* key, bool& out) {
+    const Json& value = find(key);
+    if (!value.is_boolean()) return fail(key, "is neither true nor false");
+    out = value.get<bool>();
+  }
+
   void text(const char* key, std::string& out, bool mayBeEmpty) {
     const Json& value = find(key);
     if (!value.is_string()) return fail(key, "is not a string");

@@ -11,6 +11,7 @@
 #include <glm/vec3.hpp>
 
 #include "formats/aperture.h"
+#include "formats/aperture_bake.h"
 #include "formats/aperture_link.h"
 #include "formats/result.h"
 #include "formats/sandbox.h"
@@ -41,8 +42,8 @@ struct MeshPart {
 /// Triangles over shared vertices, in the units and axes of the file. Positions are double: meshes far from the origin keep their detail.
 /// Invariants after any reader of `formats`: positions finite, every index below positions.size(), normals empty or one per
 /// position (unit length or zero), texture coordinates empty or one per position and finite, parts cover all triangles in order without
-/// gaps, visibility only beside normals and whole (formats/aperture.h, brokenVisibility), an aperture map only beside normals and texture
-/// coordinates, levels whole (formats/terrain_levels.h, brokenLevels).
+/// gaps, visibility only beside normals and whole (formats/aperture.h, brokenVisibility), word of its bake only beside visibility, an
+/// aperture map only beside normals and texture coordinates, levels whole (formats/terrain_levels.h, brokenLevels).
 /// Not promised: closed, manifold, oriented, free of degenerate or duplicate triangles. `bake/repair.h` looks at that.
 struct Mesh {
   std::string name;
@@ -53,6 +54,7 @@ struct Mesh {
   std::optional<VertexVisibility> visibility = std::nullopt;  ///< of baked meshes
   std::vector<glm::vec2> textureCoordinates = {};             ///< v down, as in glTF
   std::optional<ApertureLink> apertureMap = std::nullopt;     ///< of baked meshes
+  std::optional<ApertureBake> apertureBake = std::nullopt;    ///< of baked meshes: what made the visibility
   std::optional<MeshLevels> levels = std::nullopt;            ///< of terrains: coarser triangles over the same vertices
 };
 

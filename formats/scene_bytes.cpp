@@ -17,6 +17,12 @@ void fields(Archive& archive, ApertureLink& link) {
 }
 
 template <class Archive>
+void fields(Archive& archive, ApertureBake& bake) {
+  auto& [rays, sceneOccludes, fitted, samples, seed, radius, ambient, direction] = bake;
+  archive(rays, sceneOccludes, fitted, samples, seed, radius, ambient, direction);
+}
+
+template <class Archive>
 void fields(Archive& archive, MeshLevels& levels) {
   archive(levels.groups, levels.clusters, levels.triangles);
 }
@@ -24,7 +30,7 @@ void fields(Archive& archive, MeshLevels& levels) {
 template <class Archive>
 void fields(Archive& archive, Mesh& mesh) {
   archive(mesh.name, mesh.positions, mesh.normals, mesh.triangles, mesh.parts, mesh.visibility, mesh.textureCoordinates, mesh.apertureMap,
-          mesh.levels);
+          mesh.apertureBake, mesh.levels);
 }
 
 template <class Archive>

@@ -22,6 +22,7 @@ std::string brokenMesh(const Mesh& mesh, std::size_t materials) {
   if (mesh.visibility && mesh.normals.empty()) return "has visibility without normals";
   if (mesh.visibility)
     if (std::string broken = brokenVisibility(*mesh.visibility, mesh.positions.size()); !broken.empty()) return broken;
+  if (mesh.apertureBake && !mesh.visibility) return "has word of the bake of visibility without any";
   if (!mesh.textureCoordinates.empty() && mesh.textureCoordinates.size() != mesh.positions.size())
     return "has another number of texture coordinates than positions";
   for (const glm::vec2& c : mesh.textureCoordinates)

@@ -1,5 +1,6 @@
 // overcast-bake --apertures: what lands in the scene, and what is refused.
 #include <algorithm>
+#include <fstream>
 #include <string>
 
 #include <gmock/gmock.h>
@@ -125,6 +126,32 @@ TEST_F(ApertureCommand, RestingObjectsOfASceneSeeEachOther) {
   const Scene alone = scene();
   ASSERT_EQ(alone.meshes.size(), 1u);
   EXPECT_EQ(radiusAlongX(alone.meshes[0], 1.0), open);
+}
+
+TEST_F(ApertureCommand, VerifyAndValidateHoldAperturesToTheirWord) {
+  const std::string settings = "-o out --resolution 16 --error-samples 500 --apertures vertex --rays 128";
+  ASSERT_EQ(shell(fmt::format("{} ring.off box.off {}", kBake, settings), folder).exitCode, 0);
+  const auto check = [&](const std::string& arguments) { return shell(fmt::format("{} {}", kBake, arguments), folder); };
+  ShellResult found = check("verify out/scene.gltf --source ring.off --source box.off");
+  EXPECT_EQ(found.exitCode, 0) << found.output;
+  EXPECT_EQ(check("validate out/scene.gltf").exitCode, 0);
+  Scene lie = scene();
+  lie.meshes[0].visibility->apertures[100].radius *= 0.5f;
+  ASSERT_TRUE(writeScene(folder / "out/lie.gltf", lie).ok());
+  found = check("verify out/lie.gltf --source ring.off --source box.off");
+  EXPECT_EQ(found.exitCode, 5);
+  EXPECT_THAT(found.output,
+              HasSubstr("out/lie.gltf: mesh 0 'ring': apertures of 1 in 512 vertices are not what is seen there; vertex 100"));
+  EXPECT_EQ(check("validate out/lie.gltf").exitCode, 0);  // nothing is wrong but what only rays can tell
+
+  // What the reader has to leave out is a finding.
+  nlohmann::json document = nlohmann::json::parse(std::ifstream(folder / "out/scene.gltf"));
+  nlohmann::json& attributes = document["meshes"][0]["primitives"][0]["attributes"];
+  attributes["_APERTURE"] = attributes["NORMAL"];
+  std::ofstream(folder / "out/broken.gltf") << document;
+  found = check("validate out/broken.gltf");
+  EXPECT_EQ(found.exitCode, 5);
+  EXPECT_THAT(found.output, HasSubstr("_APERTURE"));
 }
 
 TEST_F(ApertureCommand, DetailsWithoutAperturesAreRefused) {

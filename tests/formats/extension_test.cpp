@@ -65,6 +65,15 @@ TEST(Extension, ReadsBackBitForBit) {
     RC_ASSERT(again.texCoord == made.texCoord && again.radiusError == made.radiusError);
     RC_ASSERT(again.ambientError == made.ambientError && again.directionError == made.directionError);
   }));
+  EXPECT_TRUE(rc::check("aperture bake", [](std::uint64_t seed) {
+    const ApertureBake made = test::randomApertureBake(seed);
+    const auto read = parseApertureBake(apertureBakeJson(made), "x");
+    RC_ASSERT(read.ok());
+    const ApertureBake& again = read.value();
+    RC_ASSERT(again.rays == made.rays && again.sceneOccludes == made.sceneOccludes && again.fitted == made.fitted);
+    RC_ASSERT(again.samples == made.samples && again.seed == made.seed && again.radiusError == made.radiusError);
+    RC_ASSERT(again.ambientError == made.ambientError && again.directionError == made.directionError);
+  }));
   EXPECT_TRUE(rc::check("lighting", [](std::uint64_t seed) {
     const Lighting made = test::randomLighting(seed);
     auto read = parseLighting(lightingJson(made), "x");
@@ -121,10 +130,12 @@ TEST(Extension, WhatIsWrittenFollowsTheSchema) {
   const Json occluder = schema("OVERCAST_occluder");
   const Json lighting = schema("OVERCAST_lighting");
   const Json aperture = schema("OVERCAST_aperture");
+  const Json apertureBake = schema("OVERCAST_aperture_bake");
   for (std::uint64_t seed = 0; seed < 50; ++seed) {
     EXPECT_EQ(violation(occluder, parsed(occluderJson(test::randomOccluder(seed))), occluder), "");
     EXPECT_EQ(violation(lighting, parsed(lightingJson(test::randomLighting(seed))), lighting), "");
     EXPECT_EQ(violation(aperture, parsed(apertureJson(test::randomApertureLink(seed))), aperture), "");
+    EXPECT_EQ(violation(apertureBake, parsed(apertureBakeJson(test::randomApertureBake(seed))), apertureBake), "");
   }
 }
 
@@ -168,6 +179,7 @@ TEST(Extension, TheParserRefusesWhatTheSchemaRefusesAndNamesTheField) {
     expectAgreement(schema("OVERCAST_occluder"), parsed(occluderJson(test::randomOccluder(seed))), parseOccluder);
   for (std::uint64_t seed = 0; seed < 4; ++seed)
     expectAgreement(schema("OVERCAST_aperture"), parsed(apertureJson(test::randomApertureLink(seed))), parseAperture);
+  expectAgreement(schema("OVERCAST_aperture_bake"), parsed(apertureBakeJson(test::randomApertureBake(1))), parseApertureBake);
 }
 
 TEST(Extension, TheParserRefusesWhatASchemaCannotSay) {

@@ -31,7 +31,7 @@ std::string violation(const Json& schema, const Json& json, const Json& root, co
       const std::string type = rule;
       const bool fits = (type == "object" && json.is_object()) || (type == "array" && json.is_array()) ||
                         (type == "string" && json.is_string()) || (type == "number" && number) ||
-                        (type == "integer" && json.is_number_integer());
+                        (type == "boolean" && json.is_boolean()) || (type == "integer" && json.is_number_integer());
       if (!fits) return place + ": is not of type " + type;
     } else if (key == "required") {
       for (const std::string name : rule)

@@ -66,6 +66,17 @@ ApertureLink apertureLink(Dice& dice) {
   return link;
 }
 
+ApertureBake apertureBake(Dice& dice) {
+  return {static_cast<std::uint32_t>(dice.integer(1, 4096)),
+          dice.chance(0.5),
+          dice.chance(0.5),
+          dice.engine(),
+          dice.engine(),
+          dice.real(0.0, 1.0),
+          dice.real(0.0, 1.0),
+          dice.real(0.0, 1.0)};
+}
+
 Mesh mesh(Dice& dice, int materials) {
   Mesh made;
   made.name = dice.name();
@@ -75,6 +86,7 @@ Mesh mesh(Dice& dice, int materials) {
     made.normals.push_back(dice.direction());
   }
   if (dice.chance(0.5)) made.visibility = visibility(dice, made.positions.size());
+  if (made.visibility && dice.chance(0.5)) made.apertureBake = apertureBake(dice);
   for (int parts = dice.integer(1, 3); parts > 0; --parts) {
     const int count = dice.integer(1, 5);
     made.parts.push_back(
@@ -187,6 +199,11 @@ Lighting lighting(Dice& dice) {
 ApertureLink randomApertureLink(std::uint64_t seed) {
   Dice dice{std::mt19937_64(seed)};
   return apertureLink(dice);
+}
+
+ApertureBake randomApertureBake(std::uint64_t seed) {
+  Dice dice{std::mt19937_64(seed)};
+  return apertureBake(dice);
 }
 
 Occluder randomOccluder(std::uint64_t seed) {

@@ -11,6 +11,7 @@ namespace overcast::test {
 Scene randomScene(std::uint64_t seed);
 Occluder randomOccluder(std::uint64_t seed);
 ApertureLink randomApertureLink(std::uint64_t seed);
+ApertureBake randomApertureBake(std::uint64_t seed);
 Lighting randomLighting(std::uint64_t seed);
 
 }  // namespace overcast::test

@@ -54,6 +54,7 @@ TEST(SceneWriter, WhatIsWrittenReadsBackBitForBitAndWritesTheSameBytes) {
           if (withoutNormals) {
             mesh.normals.clear();
             mesh.visibility.reset();
+            mesh.apertureBake.reset();
             mesh.apertureMap.reset();
           }
         const Scene again = writtenAndRead(scene, folder.path / "a" / "scene.gltf");
