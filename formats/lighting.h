@@ -25,7 +25,8 @@ struct AreaLight {
   int node = -1;             ///< index into Scene::nodes: the light moves with it; -1: it stays where it is
 };
 
-/// Cones of the estimator `cones` (DESIGN 5.4): of each, the least of clamp(phi / (d spread) + bias) over its taps.
+/// Cones of the estimators `cones` and `traced` (DESIGN 5.4), the latter with `directions` only: of each, the least of clamp(phi / (d
+/// spread) + bias) over its taps.
 struct SkyCones {
   int directions = 7;   ///< 1 to 64, over the hemisphere about the normal, each standing for the same share of the cosine
   float spread = 0.5f;  ///< above 0: width of a cone per distance
@@ -36,13 +37,13 @@ struct SkyCones {
 /// Constants of a sky estimator (DESIGN 5.4). They mean the same at any resolution of the global volume and at any scale of the scene.
 struct Estimator {
   std::string name = "published";  ///< one of kEstimators (runtime/passes/shade/sky_estimator.h)
-  int taps = 5;            ///< 1 to 8, at 128 voxels along the longest side: taps at 1, 2, 4, ... voxels; one more per doubling of that
-  float k = 1.5f;          ///< at least 0: darkening; a point that all taps find shut gets about exp(-k (1 + alpha)), open ground 1
+  int taps = 5;    ///< 1 to 8, at 128 voxels along the longest side; of `published` at 1, 2, 4, ... voxels, and one more per doubling
+  float k = 1.5f;  ///< at least 0: darkening; a point that all taps find shut gets about exp(-k (1 + alpha)), open ground 1
   float skyWeight = 0.5f;  ///< alpha in N' = N + alpha U, 0 to 1 (Evans 2006, 9.6); an open wall gets 1/2 where k alpha = 0.75
   /// Of the taps in the exponent of `calibrated`, at least 0, `taps` of them, the nearest first; empty: the program's own,
   /// fitted to generated scenes for 4 to 6 taps.
   std::vector<float> weights;
-  std::optional<SkyCones> cones;  ///< none: the program's own
+  std::optional<SkyCones> cones;  ///< none: the program's own; 64 directions for `traced`
   double fitError = -1.0;         ///< RMSE against the reference they were fitted to; negative: not fitted
 };
 

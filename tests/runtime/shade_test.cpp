@@ -180,6 +180,50 @@ double referenceSky(const std::string& name, const std::vector<Field>& levels, c
   return reference::conesSky(levels, point, axes, taps, glm::dvec3(made.cone));
 }
 
+TEST_F(Shade, TracedConesFindTheFormFactorOfASphere) {
+  // A sphere of radius R about c takes (R / |c - p|)^2 of the sky of a point p, times the cosine, where all of it is above the horizon.
+  Setting setting;
+  setting.estimator = named("traced");
+  const std::vector<Pixel> pixels = shade(test::groundCube(test::sphereOnGround), groundOnly, setting);
+  double squares = 0.0, worst = 0.0;
+  int count = 0;
+  for (std::size_t n = 0; n < pixels.size(); ++n) {
+    const glm::dvec2 at = test::column(n, setting) - glm::dvec2(0.5 * kSide);
+    if (glm::length(at) < 4.0 || glm::length(at) > 30.0) continue;  // nearer, cones are wider than what is left
+    const double distance = std::hypot(glm::length(at), test::kSphereRadius);
+    const double expected = 1.0 - std::pow(test::kSphereRadius / distance, 3.0);
+    worst = std::max(worst, std::abs(pixels[n].sky - expected));
+    squares += std::pow(pixels[n].sky - expected, 2.0);
+    ++count;
+  }
+  EXPECT_LT(std::sqrt(squares / count), 0.02);
+  EXPECT_LT(worst, 0.08);
+}
+
+TEST_F(Shade, TracedConesAreStoppedByThinSheets) {
+  const auto sheet = [](const glm::dvec3& p) { return std::min(p.y - kGround, std::abs(p.x - 40.0) - 0.3); };
+  const auto block = [](const glm::dvec3& p) { return std::min(p.y - kGround, std::abs(p.x - 52.0) - 12.3); };
+  Setting setting;
+  setting.right = 38.0;
+  setting.estimator = named("traced");
+  const std::vector<Pixel> thin = shade(test::groundCube(sheet), groundOnly, setting),
+                           thick = shade(test::groundCube(block), groundOnly, setting);
+  double byThin = 0.0, byThick = 0.0;
+  for (std::size_t n = 0; n < thin.size(); ++n) {
+    byThin += (1.0 - thin[n].sky) / static_cast<double>(thin.size());
+    byThick += (1.0 - thick[n].sky) / static_cast<double>(thick.size());
+  }
+  EXPECT_GT(byThick, 0.15);
+  EXPECT_GT(byThin, 0.8 * byThick) << "0.6 voxels hold back what 24 do, but for cones along them: " << byThin << " of " << byThick;
+}
+
+TEST_F(Shade, TracedConesLeaveOpenGroundOpen) {
+  Setting setting;
+  setting.estimator = named("traced");
+  for (const Pixel& pixel : shade(test::groundCube([](const glm::dvec3& p) { return p.y - kGround; }), groundOnly, setting))
+    EXPECT_NEAR(pixel.sky, 1.0f, 0.005f);
+}
+
 TEST_F(Shade, AgreesWithBruteForceInDouble) {
   const auto corner = [](const glm::dvec3& p) { return std::min(p.y - kGround, p.x - 16.0); };
   const Field scenes[] = {test::groundCube(test::sphereOnGround), test::groundCube(corner)};

@@ -64,7 +64,39 @@ float field(int level, vec3 p) {
   return sampleLevel(level, inside) + distance(p, inside);
 }
 
-#ifdef OVERCAST_CONES
+#ifdef OVERCAST_TRACED
+// How much of a cone is free.
+float openCone(vec3 from, vec3 axis, float spread) {
+  float reach = traceReach(from, axis, vec3(textureSize(level0, 0)));
+  float open = 1.0f;
+  float before = 0.0f;
+  float step = 1.0f;
+  float fallBefore = 0.0f;
+  float t = 0.0f;
+  for (int i = 0; i < kTraceSteps && t < reach && open > 0.0f; ++i) {
+    float phi = field(0, from + t * axis);
+    float fall = (before - phi) / step;
+    if (traceIsShut(phi, t, max(fall, fallBefore))) return 0.0f;
+    open = min(open, traceOpenness(phi, traceWidth(t, spread)));
+    before = phi;
+    fallBefore = fall;
+    step = max(phi, kTraceShortest);
+    t += step;
+  }
+  return open;
+}
+
+float visibility(vec3 p, vec3 normal) {
+  mat3 frame = frameAbout(normal);
+  vec3 from = p + kTraceStart * normal;
+  float sum = 0.0f;
+  for (int cone = 0; cone < OVERCAST_CONES; ++cone) {
+    vec3 axis = vec3(estimator.directions[cone]);
+    sum += openCone(from, frame * axis, traceSpread(OVERCAST_CONES, axis.z));
+  }
+  return sum / float(OVERCAST_CONES);
+}
+#elif defined(OVERCAST_CONES)
 float visibility(vec3 p, vec3 normal) {
   mat3 frame = frameAbout(normal);
   float sum = 0.0f;

@@ -14,6 +14,10 @@
 // apart, each reading the level whose blur is proportional to its distance. Blurred far taps tell how much stands around, which is what
 // sharp ones do not.
 // `cones`: C = (mean over cones of min_i clamp(phi(P + d_i c) / (d_i s) + b, 0, 1))^q, all taps of level 0.
+// `traced`: the mean over cones of how much of each is free, each as wide as its share of the cosine: unlike so many rays they need no
+// noise and no filter. Sphere tracing (Hart 1996) through level 0 to the border of the volume; of a cone that a surface grazes the share on
+// this side of it is free, as wide as walls can be told from edges; one that runs into a surface head on is shut, however thin that is.
+//
 // `hybrid`: V_self from the baked apertures times what others leave of them, which is the aperture pass's business (aperture.h). Scenes
 // without apertures get `calibrated`.
 //
@@ -62,6 +66,46 @@ OVERCAST_INLINE float tapMissing(float phi, float d, float alpha) {
 /// How open a cone is at a tap.
 OVERCAST_INLINE float coneOpenness(float phi, float d, vec4 cone) {
   return clamp(phi / (d * cone.x) + cone.y, 0.0f, 1.0f);
+}
+
+const float kTraceStart = 0.5f;  ///< voxels above the surface from which cones are traced: mesh and field disagree
+const float kTraceNarrowest = 0.25f, kTraceWidest = 1.5f;  ///< half widths of cones, voxels
+const float kTraceHit = 0.25f;       ///< field below which a surface is met: thin sheets do not read zero between two samples
+const float kTraceHeadOn = 0.5f;     ///< fall of the field along the axis, per voxel, of one that is met head on
+const float kTraceShortest = 0.25f;  ///< voxels a step takes at least
+const int kTraceSteps = 64;          ///< at most
+
+/// Spread (half width over distance) of one of `cones` cones whose axis rises by `rise`: that of its share of the cosine, and not into the
+/// ground.
+OVERCAST_INLINE float traceSpread(int cones, float rise) {
+  return min(1.0f / sqrt(float(cones)), rise);
+}
+
+/// Half the width of a traced cone, `t` voxels from where it starts.
+OVERCAST_INLINE float traceWidth(float t, float spread) {
+  return clamp(t * spread, kTraceNarrowest, kTraceWidest);
+}
+
+/// How much of it is free where the nearest surface is `phi` from its axis (negative: beyond it).
+OVERCAST_INLINE float traceOpenness(float phi, float width) {
+  return clamp(0.5f + 0.5f * phi / width, 0.0f, 1.0f);
+}
+
+/// Whether the axis runs into a surface at `t`, where the field is `phi` and falls by `fall` per voxel, the more of the last two steps:
+/// right at a thin sheet samples on both sides of it leave it flat. Cones that leave a crease for the open are not stopped by the wall
+/// beside them.
+OVERCAST_INLINE bool traceIsShut(float phi, float t, float fall) {
+  return phi < kTraceHit * min(0.5f * t, 1.0f) && fall > kTraceHeadOn;
+}
+
+/// Voxels from `p` along `direction` to where it leaves a volume of `size` voxels.
+OVERCAST_INLINE float traceReach(vec3 p, vec3 direction, vec3 size) {
+  float end = 1.0e9f;
+  for (int axis = 0; axis < 3; ++axis) {
+    float rise = abs(direction[axis]) < 1.0e-9f ? 1.0e-9f : direction[axis];
+    end = min(end, max(-p[axis] / rise, (size[axis] - p[axis]) / rise));
+  }
+  return max(end, 0.0f);
 }
 
 /// N', from a normal of any length: a degenerate one (zero, not finite) counts as none, which leaves the skew.

@@ -21,6 +21,7 @@ constexpr std::uint32_t kConstantsBinding = kFirstScreenBinding + shared::kMaxPy
 Shader shaderOf(const SkyEstimator& estimator, bool sky) {
   Shader shader{"runtime/passes/shade/shade.comp.glsl", {{"OVERCAST_TAPS", fmt::format("{}", estimator.taps.size())}}};
   if (!estimator.directions.empty()) shader.defines.push_back({"OVERCAST_CONES", fmt::format("{}", estimator.directions.size())});
+  if (estimator.traced) shader.defines.push_back({"OVERCAST_TRACED", "1"});
   if (sky) shader.defines.push_back({"OVERCAST_SKY", "1"});
   return shader;
 }

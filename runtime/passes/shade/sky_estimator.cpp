@@ -104,6 +104,10 @@ Result<SkyEstimator> skyEstimator(const Estimator& estimator, int resolution) {
     addPublishedTaps(estimator, resolution, made);
   } else if (name == "cones") {
     addCones(estimator, resolution, made);
+  } else if (name == "traced") {
+    made.traced = true;
+    made.taps.push_back({});
+    made.directions = coneDirections(estimator.cones ? estimator.cones->directions : shared::kMaxCones);
   } else {
     addCalibratedTaps(estimator, resolution, made);
   }

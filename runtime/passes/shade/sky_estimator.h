@@ -11,7 +11,7 @@
 namespace overcast {
 
 /// Names of Estimator::name.
-inline constexpr std::array kEstimators{"published", "calibrated", "cones", "hybrid"};
+inline constexpr std::array kEstimators{"published", "calibrated", "cones", "traced", "hybrid"};
 
 /// Whether the estimator of that name takes what an object leaves itself from its baked apertures (runtime/passes/aperture).
 bool isHybrid(std::string_view name);
@@ -20,6 +20,7 @@ struct SkyEstimator {
   std::vector<shared::SkyTap> taps;   ///< 1 to shared::kMaxTaps
   std::vector<glm::vec3> directions;  ///< of cones; empty: along the skewed normal
   glm::vec3 cone{0.0f};               ///< spread, bias, power
+  bool traced = false;                ///< cones are traced
   float skyWeight = 0.0f;             ///< alpha
   int levels = 1;                     ///< of the pyramid that taps read
 };
