@@ -17,6 +17,8 @@
 // `traced`: the mean over cones of how much of each is free, each as wide as its share of the cosine: unlike so many rays they need no
 // noise and no filter. Sphere tracing (Hart 1996) through level 0 to the border of the volume; of a cone that a surface grazes the share on
 // this side of it is free, as wide as walls can be told from edges; one that runs into a surface head on is shut, however thin that is.
+// All pixels share one set of cones: where most are shut (a dark room with a small window) single ones show as patches. Sheets thinner than
+// a voxel let cones through that run along them.
 //
 // `hybrid`: V_self from the baked apertures times what others leave of them, which is the aperture pass's business (aperture.h). Scenes
 // without apertures get `calibrated`.
