@@ -261,6 +261,12 @@ std::vector<GeometryDraw> drawsOf(const RuntimeScene& scene, const std::vector<g
   return draws;
 }
 
+std::uint64_t trianglesOf(const std::vector<GeometryDraw>& draws) {
+  std::uint64_t triangles = 0;
+  for (const GeometryDraw& draw : draws) triangles += std::uint64_t{draw.indexCount} / 3 * draw.instanceCount;
+  return triangles;
+}
+
 /// What a frame is seen by.
 struct Seen {
   glm::dmat4 clipFromRelative{1.0};
@@ -359,10 +365,10 @@ void recordFrame(VkCommandBuffer commands, FrameRenderer& renderer, const Runtim
                                                           [&] { return recordComposite(commands, renderer.composite, placed.occluders); });
   if (composited && technique == Technique::overcast && !targets.aperture)
     timed(commands, renderer, FramePass::pyramid, [&] { recordPyramid(commands, renderer.pyramid); });
-  timed(commands, renderer, FramePass::geometry, [&] {
-    recordGeometry(commands, renderer.geometry, targets.images, placed.instances, drawsOf(scene, nodes, levels), glm::mat4(clip),
-                   placed.transfers);
-  });
+  const std::vector<GeometryDraw> draws = drawsOf(scene, nodes, levels);
+  renderer.triangles = trianglesOf(draws);
+  timed(commands, renderer, FramePass::geometry,
+        [&] { recordGeometry(commands, renderer.geometry, targets.images, placed.instances, draws, glm::mat4(clip), placed.transfers); });
   if (renderer.surfels)
     timed(commands, renderer, FramePass::surfelGather,
           [&] { recordSurfels(commands, *renderer.surfels, placed.worldFromCentre, eye(view), lighting.skyColour); });

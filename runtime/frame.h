@@ -73,6 +73,7 @@ struct FrameRenderer {
   FrameTargets targets;
   std::vector<FramePass> passes;  ///< that a frame may run, in the order of renderFrame
   PassTimer timer;
+  std::uint64_t triangles = 0;  ///< that the last recorded frame's geometry pass draws
   VkCommandBuffer commands = VK_NULL_HANDLE;
   VkFence done = VK_NULL_HANDLE;
 };

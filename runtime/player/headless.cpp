@@ -27,6 +27,7 @@ std::optional<Failure> playFrames(const Device& device, FrameRenderer& renderer,
     Result<std::vector<PassTime>> times = renderFrame(device, renderer, scene, time, viewOf(options, scene, time));
     if (!times) return Failure{times.error(), ExitCode::noDevice};
     result.frames.push_back(std::move(times).value());
+    result.triangles.push_back(renderer.triangles);
     if (auto failure = writePictures(device, renderer, options, frame, result)) return failure;
   }
   return std::nullopt;

@@ -27,6 +27,14 @@ Json jsonOf(const DeviceInfo& device) {
           {"driver", device.driver}, {"vulkan", device.apiVersion}, {"usable", device.usable}};
 }
 
+/// The middle one of the frames, so that it does not depend on how a camera starts or ends; 0 without frames.
+std::uint64_t medianTriangles(std::vector<std::uint64_t> frames) {
+  if (frames.empty()) return 0;
+  const auto middle = frames.begin() + static_cast<std::ptrdiff_t>(frames.size() / 2);
+  std::nth_element(frames.begin(), middle, frames.end());
+  return *middle;
+}
+
 std::string text(const Json& json) {
   return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }
@@ -61,7 +69,7 @@ std::string table(const PlayResult& result) {
     const std::string p95 = pass.frames > 0 ? fmt::format("{:.3f}", pass.p95) : "-";
     lines += fmt::format("{:<13} {:>12} {:>12} {:>8} {:>8}\n", pass.name, median, p95, pass.frames, pass.skipped);
   }
-  return lines;
+  return lines + fmt::format("triangles drawn: {} (median)\n", medianTriangles(result.triangles));
 }
 
 std::string json(const PlayerOptions& options, const PlayResult& result) {
@@ -79,6 +87,7 @@ std::string json(const PlayerOptions& options, const PlayResult& result) {
                {"technique", nameOf(options.technique.technique)},
                {"frames", {options.firstFrame, options.lastFrame}},
                {"fps", options.framesPerSecond},
+               {"triangles", medianTriangles(result.triangles)},
                {"passes", passes},
                {"pictures", result.pictures}});
 }

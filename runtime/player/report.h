@@ -28,7 +28,8 @@ std::vector<PassStatistics> statistics(const std::vector<std::vector<PassTime>>&
 struct PlayResult {
   DeviceInfo device;
   std::vector<std::vector<PassTime>> frames;
-  std::vector<std::string> pictures;  ///< files written, in order
+  std::vector<std::uint64_t> triangles;  ///< drawn in each frame
+  std::vector<std::string> pictures;     ///< files written, in order
 };
 
 /// A table in plain characters that ends with a line break.

@@ -121,6 +121,7 @@ TEST_F(PlayerCommand, PrintsOneJsonObjectOnStdout) {
   EXPECT_EQ(json["pictures"].size(), 6u);
   EXPECT_EQ(json["frames"], nlohmann::json({0, 5}));
   EXPECT_EQ(json["device"]["kind"], "CPU");
+  EXPECT_GT(json["triangles"], 0);
   ASSERT_EQ(json["passes"].size(), 6u) << "five passes and the frame";
   for (const auto& pass : json["passes"]) {
     EXPECT_EQ(pass["frames"].get<int>() + pass["skipped"].get<int>(), 5) << "the warm-up is left out";

@@ -50,6 +50,7 @@ TEST(TerrainCommand, ShowsLevelsThatLookLikeTheFinest) {
                   " -o " + name,
               folder);
     EXPECT_EQ(played.exitCode, 0) << played.output;
+    EXPECT_EQ(played.output.find("triangles drawn: 32768 ") != std::string::npos, error == "0") << played.output;
     return readPng(folder / name);
   };
   const auto finest = picture("finest.png", "0"), levels = picture("levels.png", "1"), coarse = picture("coarse.png", "40");
