@@ -12,6 +12,7 @@
 #include "runtime/player/measure_command.h"
 #include "runtime/player/options.h"
 #include "runtime/player/report.h"
+#include "runtime/player/report_command.h"
 #include "runtime/player/window.h"
 #include "runtime/scene.h"
 #include "runtime/vulkan/shader.h"
@@ -100,6 +101,11 @@ int runCommand(int argc, char** argv) {
     keepDriverOffFullDisk();
     return costCommand(argc - 1, argv + 1);
   }
+  if (argc > 1 && std::string_view(argv[1]) == "report") {
+    keepDriverOffFullDisk();
+    return reportCommand(argc - 1, argv + 1);
+  }
+  if (argc > 1 && std::string_view(argv[1]) == "compare") return compareCommand(argc - 1, argv + 1);
   if (argc > 1 && std::string_view(argv[1]) == "measure") return measureCommand(argc - 1, argv + 1);
   const ParsedOptions parsed = parseOptions(argc, argv);
   return parsed.exitCode ? *parsed.exitCode : run(parsed.options);

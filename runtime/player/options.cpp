@@ -74,6 +74,7 @@ constexpr const char* kFooter =
     "Without --camera the scene's own camera is taken, or one that shows the whole scene.\n"
     "overcast-player cost measures what occluders take in the composite of a device: see overcast-player cost --help.\n"
     "overcast-player measure compares pictures with references: see overcast-player measure --help.\n"
+    "overcast-player report measures every setting on scenes, overcast-player compare two reports: see their --help.\n"
     "Without --headless a window opens: left mouse button turns, right pans, wheel zooms, space pauses, F12 saves a picture.";
 
 }  // namespace

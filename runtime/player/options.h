@@ -20,7 +20,7 @@ class ParseError;
 namespace overcast {
 
 /// Exit codes, as overcast-bake has them where they mean the same.
-enum class ExitCode { ok = 0, internal = 1, usage = 2, unreadable = 3, unwritable = 4, noDevice = 5 };
+enum class ExitCode { ok = 0, internal = 1, usage = 2, unreadable = 3, unwritable = 4, noDevice = 5, unmet = 6 };
 
 struct PlayerOptions {
   std::filesystem::path scene;

@@ -1,9 +1,10 @@
 #include "runtime/player/report.h"
 
 #include <algorithm>
-#include <cmath>
 
 #include <nlohmann/json.hpp>
+
+#include "runtime/report/statistics.h"
 
 namespace overcast {
 namespace {
@@ -15,10 +16,8 @@ constexpr std::size_t kFewFrames = 4;
 PassStatistics statisticsOf(std::string name, std::vector<double> times, std::size_t frames) {
   PassStatistics result{std::move(name), times.size(), frames - times.size(), 0.0, 0.0};
   if (times.empty()) return result;
-  std::sort(times.begin(), times.end());
-  const std::size_t n = times.size();
-  result.median = 0.5 * (times[(n - 1) / 2] + times[n / 2]);
-  result.p95 = times[static_cast<std::size_t>(std::ceil(0.95 * static_cast<double>(n))) - 1];
+  result.p95 = percentile(times, 0.95);
+  result.median = median(std::move(times));
   return result;
 }
 

@@ -54,6 +54,7 @@ struct Device {
   VkPhysicalDeviceMemoryProperties memory{};
   std::uint32_t timestampBits = 0;  ///< valid bits of a timestamp; 0: the queue has no timestamps
   DeviceInfo info;
+  mutable std::uint64_t allocatedBytes = 0;   ///< device memory taken so far for MemoryUse::device; what was given back counts too
   std::unique_ptr<ValidationLog> validation;  ///< null without validation
 };
 

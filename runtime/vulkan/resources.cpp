@@ -33,6 +33,7 @@ Result<VkDeviceMemory> allocate(const Device& device, const VkMemoryRequirements
   VkDeviceMemory memory = VK_NULL_HANDLE;
   const VkResult made = vkAllocateMemory(device.device, &info, nullptr, &memory);
   if (made != VK_SUCCESS) return vulkanError(made, fmt::format("cannot allocate {} bytes of device memory", needs.size));
+  if (use == MemoryUse::device) device.allocatedBytes += needs.size;
   return memory;
 }
 

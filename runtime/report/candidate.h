@@ -1,0 +1,23 @@
+// Candidate: a renderer of a scene that follows one setting of the sweep.
+#pragma once
+
+#include "runtime/frame.h"
+#include "runtime/report/sweep.h"
+
+namespace overcast {
+
+struct Candidate {
+  SweepSetting setting;
+  Lighting lighting;  ///< the scene's with this setting
+  FrameRenderer renderer;
+  std::uint64_t bytes = 0;  ///< device memory that the renderer took
+};
+
+Result<Candidate> makeCandidate(const Device& device, RuntimeScene& scene, const SweepSetting& setting, int width, int height);
+void destroyCandidate(const Device& device, Candidate& candidate);
+
+/// One frame with the whole volume made anew, as if everything moved; the scene is as before afterwards.
+Result<std::vector<PassTime>> renderCandidate(const Device& device, Candidate& candidate, RuntimeScene& scene, double time,
+                                              const View& view);
+
+}  // namespace overcast

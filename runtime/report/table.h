@@ -1,0 +1,16 @@
+// Table: a report as Markdown for people and as CSV for spreadsheets.
+#pragma once
+
+#include <string>
+
+#include "formats/report.h"
+
+namespace overcast {
+
+/// Two Markdown tables, of settings over all scenes and of scenes, and where another technique wins. Ends with a line break.
+std::string summaryMarkdown(const Report& report);
+
+/// One line for each row of each scene under a line of names (RFC 4180); an absent figure is an empty field.
+std::string reportCsv(const Report& report);
+
+}  // namespace overcast

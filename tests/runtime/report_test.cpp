@@ -1,0 +1,246 @@
+// Reports: statistics, fronts, choices, comparisons, tables and pages of made-up figures. No device.
+#include <algorithm>
+#include <random>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <rapidcheck/gtest.h>
+
+#include "runtime/report/chart.h"
+#include "runtime/report/choice.h"
+#include "runtime/report/compare.h"
+#include "runtime/report/page.h"
+#include "runtime/report/statistics.h"
+#include "runtime/report/sweep.h"
+#include "runtime/report/table.h"
+
+namespace overcast {
+namespace {
+
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::Not;
+
+ReportRow row(const std::string& setting, double rmse, double milliseconds, const std::string& technique = "overcast") {
+  ReportRow made;
+  made.setting = setting;
+  made.technique = technique;
+  made.storable = technique == "overcast";
+  if (made.storable) made.estimator = "published";
+  made.errors.rmse = made.errors.rmseCorrected = rmse;
+  made.errors.flicker = 0.1 * rmse;
+  made.frame = {milliseconds, 1.1 * milliseconds, 0.1 * milliseconds};
+  made.still = {0.5 * milliseconds, 0.5 * milliseconds, 0.05 * milliseconds};
+  made.gpuBytes = 1000;
+  return made;
+}
+
+Report reportOf(const std::vector<ReportRow>& rows) {
+  Report report{"device", "CPU", "driver", "1.3", 240, 135, 640, 360, 7, {}};
+  report.scenes.push_back({"room", "hash", 1, 100, 0.001, 1, rows});
+  return report;
+}
+
+TEST(ReportStatistics, AreOfSortedRounds) {
+  EXPECT_EQ(median({3.0, 1.0, 2.0}), 2.0);
+  EXPECT_EQ(median({4.0, 1.0, 2.0, 3.0}), 2.5);
+  EXPECT_EQ(median({}), 0.0);
+  std::vector<double> hundred;
+  for (int i = 100; i > 0; --i) hundred.push_back(i);
+  EXPECT_EQ(percentile(hundred, 0.95), 95.0);
+  EXPECT_EQ(percentile({7.0}, 0.05), 7.0);
+  const ReportTime time = timeOf(hundred);
+  EXPECT_EQ(time.median, 50.5);
+  EXPECT_EQ(time.noise, 90.0);
+  EXPECT_DOUBLE_EQ(timeOf({10.0, 10.0, 10.0}).noise, 0.5) << "no clock is better than 5 %";
+}
+
+TEST(ReportStatistics, LeaveCompositeAndPyramidOutWhileStill) {
+  const auto round = [](double scale) {
+    return std::vector<PassTime>{
+        {"composite", 8.0 * scale, false}, {"pyramid", 2.0 * scale, false}, {"shade", 3.0 * scale, false}, {"idle", 5.0, true}};
+  };
+  const RoundTimes times = timesOf({round(1.0), round(2.0), round(3.0)});
+  EXPECT_DOUBLE_EQ(times.frame.median, 26.0);
+  EXPECT_DOUBLE_EQ(times.still.median, 6.0);
+  ASSERT_EQ(times.passes.size(), 3u) << "a pass that never runs is none";
+  EXPECT_EQ(times.passes[1].name, "pyramid");
+  EXPECT_DOUBLE_EQ(times.passes[1].time.median, 4.0);
+}
+
+RC_GTEST_PROP(ParetoFront, HoldsJustWhatNothingBeats, (const std::vector<std::pair<std::uint8_t, std::uint8_t>>& figures)) {
+  std::vector<Tradeoff> points;
+  for (const auto& [cost, error] : figures)
+    points.push_back({points.size(), static_cast<double>(cost % 16), static_cast<double>(error % 16)});
+  const std::vector<Tradeoff> front = paretoFront(points);
+  const auto beats = [](const Tradeoff& a, const Tradeoff& b) {
+    return a.cost <= b.cost && a.error <= b.error && (a.cost < b.cost || a.error < b.error);
+  };
+  for (const Tradeoff& point : points) {
+    const bool beaten = std::any_of(points.begin(), points.end(), [&](const Tradeoff& other) { return beats(other, point); });
+    const auto equal = std::count_if(front.begin(), front.end(),
+                                     [&](const Tradeoff& other) { return other.cost == point.cost && other.error == point.error; });
+    RC_ASSERT(equal == (beaten ? 0 : 1));
+  }
+  for (std::size_t i = 1; i < front.size(); ++i) RC_ASSERT(front[i - 1].cost < front[i].cost && front[i - 1].error > front[i].error);
+}
+
+TEST(ReportChoice, KeepsToABudgetOrAnError) {
+  const ReportScene scene =
+      reportOf({row("slow", 0.01, 9.0), row("middle", 0.03, 4.0), row("fast", 0.2, 1.0), row("rays16", 0.001, 0.5, "rays16")}).scenes[0];
+  const auto chosen = [&](const Wish& wish) {
+    const ReportRow* found = chooseRow(scene, wish);
+    return found == nullptr ? "" : found->setting;
+  };
+  EXPECT_EQ(chosen({.budget = 10.0}), "slow");
+  EXPECT_EQ(chosen({.budget = 8.9}), "middle");
+  EXPECT_EQ(chosen({.budget = 1.0}), "fast");
+  EXPECT_EQ(chosen({.budget = 0.9}), "") << "no scene can say rays16";
+  EXPECT_EQ(chosen({.maxError = 0.5}), "fast");
+  EXPECT_EQ(chosen({.maxError = 0.05}), "middle");
+  EXPECT_EQ(chosen({.maxError = 0.009}), "");
+}
+
+TEST(ReportChoice, OfEqualsTakesTheSmaller) {
+  Report report = reportOf({row("large", 0.1, 2.0), row("small", 0.1, 2.0)});
+  report.scenes[0].rows[0].gpuBytes = 2000;
+  EXPECT_EQ(chooseRow(report.scenes[0], {.budget = 3.0})->setting, "small");
+}
+
+TEST(ReportLosses, AreWhereNothingOfOursIsAsGoodAndAsFast) {
+  const auto of = [](const std::vector<ReportRow>& rows) {
+    std::vector<std::string> names;
+    for (const Loss& loss : losses(reportOf(rows))) names.push_back(loss.setting + "/" + loss.ours);
+    return names;
+  };
+  const ReportRow good = row("good", 0.02, 5.0), fast = row("fast", 0.1, 1.0);
+  EXPECT_THAT(of({good, fast, row("a", 0.02, 5.0, "a"), row("b", 0.11, 1.5, "b")}), ElementsAre());
+  EXPECT_THAT(of({good, fast, row("c", 0.09, 4.9, "c"), row("d", 0.5, 0.9, "d"), row("e", 0.01, 50.0, "e")}),
+              ElementsAre("c/fast", "d/", "e/good"));
+  EXPECT_THAT(summaryMarkdown(reportOf({good, row("c", 0.01, 5.0, "c")})), HasSubstr("room: c (0.0100 at 5.0 ms) against good (0.0200)"));
+}
+
+TEST(ReportOverall, TakesMeansOfWhatAllScenesHave) {
+  Report report = reportOf({row("a", 0.3, 1.0), row("only here", 0.1, 1.0)});
+  report.scenes.push_back({"garden", "other", 1, 100, 0.001, 1, {row("b", 0.1, 1.0), row("a", 0.4, 100.0)}});
+  const ReportScene all = overall(report);
+  ASSERT_EQ(all.rows.size(), 1u);
+  EXPECT_DOUBLE_EQ(all.rows[0].errors.rmse, std::sqrt((0.09 + 0.16) / 2.0));
+  EXPECT_NEAR(all.rows[0].frame.median, 10.0, 1e-9);
+  EXPECT_TRUE(overall(Report{}).rows.empty());
+}
+
+std::vector<std::string> changesOf(const Report& before, const Report& after) {
+  std::vector<std::string> found;
+  for (const Change& change : compareReports(before, after).changes)
+    found.push_back(fmt::format("{} {} {}", change.setting, change.figure, change.worse ? "worse" : "better"));
+  return found;
+}
+
+TEST(ReportCompare, IsQuietWithinTheNoiseOfBoth) {
+  const Report before = reportOf({row("a", 0.1, 10.0), row("b", 0.2, 1.0)});
+  EXPECT_FALSE(regressed(compareReports(before, before)));
+  Report after = before;
+  after.scenes[0].rows[0].frame.median = 11.9;
+  after.scenes[0].rows[0].errors.rmse = 0.1 + 1e-5;
+  EXPECT_THAT(changesOf(before, after), ElementsAre());
+  after.scenes[0].rows[0].frame.median = 12.1;
+  EXPECT_THAT(changesOf(before, after), ElementsAre("a frame ms worse"));
+  EXPECT_TRUE(regressed(compareReports(before, after)));
+  EXPECT_FALSE(regressed(compareReports(after, before))) << "it got better";
+}
+
+TEST(ReportCompare, SeesErrorBytesAndWhatIsGone) {
+  const Report before = reportOf({row("a", 0.1, 10.0), row("b", 0.2, 1.0)});
+  Report after = reportOf({row("a", 0.101, 10.0), row("c", 0.2, 1.0)});
+  EXPECT_THAT(changesOf(before, after), ElementsAre("a rmse worse", "a flicker worse"));
+  const Comparisons all = compareReports(before, after);
+  EXPECT_THAT(all.missing, ElementsAre("room: b"));
+  EXPECT_THAT(all.added, ElementsAre("room: c"));
+  EXPECT_THAT(comparisonText(all), HasSubstr("GONE   room: b"));
+  after = before;
+  after.scenes[0].rows[1].gpuBytes += 1;
+  EXPECT_THAT(changesOf(before, after), ElementsAre("b bytes worse"));
+  after = before;
+  after.scenes.clear();
+  EXPECT_TRUE(regressed(compareReports(before, after)));
+}
+
+TEST(ReportCompare, DoesNotCompareTimesOfDifferentDevices) {
+  const Report before = reportOf({row("a", 0.1, 10.0)});
+  Report after = reportOf({row("a", 0.1, 100.0)});
+  EXPECT_TRUE(regressed(compareReports(before, after)));
+  after.device = "another";
+  EXPECT_FALSE(regressed(compareReports(before, after)));
+  EXPECT_THAT(comparisonText(compareReports(before, after)), HasSubstr("were not compared"));
+}
+
+TEST(ReportTable, QuotesFieldsOfCsv) {
+  const std::string csv = reportCsv(reportOf({row("published, 5 taps", 0.1, 10.0)}));
+  EXPECT_THAT(csv, HasSubstr("room,\"published, 5 taps\",overcast,published,,,,"));
+  const auto lineEnd = csv.find("\r\n");
+  EXPECT_EQ(std::count(csv.begin(), csv.begin() + static_cast<std::ptrdiff_t>(lineEnd), ','),
+            std::count(csv.begin() + static_cast<std::ptrdiff_t>(lineEnd), csv.end(), ',') - 1)
+      << "as many fields as names, and one comma within quotes";
+}
+
+TEST(ReportPage, NeedsNothingElse) {
+  const Report report = reportOf({row("a <b>", 0.1, 10.0), row("zero", 0.0, 0.0), row("rays16", 0.3, 1.0, "rays16")});
+  const std::string page = reportPage(report, {{{"reference", "data:image/png;base64,AAAA", ""}}});
+  EXPECT_THAT(page, Not(HasSubstr("http")));
+  EXPECT_THAT(page, Not(HasSubstr("<script")));
+  EXPECT_THAT(page, Not(HasSubstr("nan")));
+  EXPECT_THAT(page, Not(HasSubstr("inf\"")));
+  EXPECT_THAT(page, HasSubstr("a &lt;b&gt;"));
+  EXPECT_EQ(page, reportPage(report, {{{"reference", "data:image/png;base64,AAAA", ""}}}));
+}
+
+TEST(ReportPage, EncodesBase64) {
+  const auto encoded = [](const std::string& text) {
+    std::vector<std::byte> bytes;
+    for (const char c : text) bytes.push_back(static_cast<std::byte>(c));
+    return base64(bytes);
+  };
+  // RFC 4648, 10.
+  EXPECT_EQ(encoded(""), "");
+  EXPECT_EQ(encoded("f"), "Zg==");
+  EXPECT_EQ(encoded("fo"), "Zm8=");
+  EXPECT_EQ(encoded("foo"), "Zm9v");
+  EXPECT_EQ(encoded("foobar"), "Zm9vYmFy");
+}
+
+TEST(ReportPage, ShowsDifferencesInTheirSign) {
+  const Image reference{3, 1, {"depth", "sky"}, {1.0f, 0.5f, 1.0f, 0.5f, -1.0f, 0.0f}}, sky{3, 1, {"sky"}, {1.0f, 0.0f, 1.0f}};
+  const Image difference = differencePicture(sky, reference, {1, 1, 0});
+  EXPECT_GT(at(difference, 0, 0, 0), at(difference, 0, 0, 2)) << "too bright: red";
+  EXPECT_LT(at(difference, 1, 0, 0), at(difference, 1, 0, 2)) << "too dark: blue";
+  const Image none = differencePicture(reference, reference, {1, 1, 0});
+  for (int channel = 0; channel < 3; ++channel) EXPECT_EQ(at(none, 0, 0, channel), 1.0f);
+}
+
+TEST(ReportSweep, NamesEverySettingOnceAndTheScenesOwnFirst) {
+  for (const bool apertures : {false, true}) {
+    Lighting own;
+    own.estimator.taps = 7;
+    own.globalVolume.resolution = 96;
+    const auto settings = sweepSettings(own, apertures, false);
+    EXPECT_LT(sweepSettings(own, apertures, true).size(), settings.size());
+    EXPECT_EQ(settings[0].taps, 7);
+    EXPECT_EQ(settings[0].resolution, 96);
+    EXPECT_TRUE(settings[0].storable);
+    std::vector<std::string> names;
+    for (const SweepSetting& setting : settings) {
+      names.push_back(setting.name);
+      EXPECT_TRUE(!setting.storable || setting.technique == Technique::overcast);
+      EXPECT_TRUE(!setting.storable || setting.apertures == apertures) << "a scene cannot say that its apertures do not count";
+    }
+    for (const NamedTechnique& technique : kTechniques)
+      EXPECT_TRUE(std::any_of(settings.begin(), settings.end(), [&](const auto& one) { return one.technique == technique.technique; }))
+          << technique.name;
+    std::sort(names.begin(), names.end());
+    EXPECT_EQ(std::unique(names.begin(), names.end()), names.end());
+  }
+}
+
+}  // namespace
+}  // namespace overcast
