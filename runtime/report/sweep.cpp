@@ -36,6 +36,7 @@ constexpr std::array kSweep{
     SweepRow{"calibrated", 256, 4, false, kBest, false},
     SweepRow{"cones", 64, 5, false, kBest, true},
     SweepRow{"cones", 128, 5, false, kBest, false},
+    SweepRow{"traced", 128, 1, false, kBest, true},
     SweepRow{"hybrid", 64, 4, true, kBest, true},
     SweepRow{"hybrid", 128, 4, true, kBest, true},
     SweepRow{"hybrid", 128, 4, true, ApertureMode::smoothstep, false},
@@ -48,7 +49,9 @@ std::string nameOf(const SweepSetting& setting) {
   if (setting.technique != Technique::overcast)
     return setting.resolution > 0 ? fmt::format("{}, {}^3", overcast::nameOf(setting.technique), setting.resolution)
                                   : overcast::nameOf(setting.technique);
-  std::string name = fmt::format("{}, {} taps, {}^3", setting.estimator, setting.taps, setting.resolution);
+  std::string name = setting.estimator == "traced"  // which steps where the field lets it
+                         ? fmt::format("traced, {}^3", setting.resolution)
+                         : fmt::format("{}, {} taps, {}^3", setting.estimator, setting.taps, setting.resolution);
   if (setting.apertures)
     name += setting.apertureMode == kBest ? ", apertures" : fmt::format(", apertures {}", nameOf(setting.apertureMode));
   return name;
