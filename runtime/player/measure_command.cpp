@@ -109,7 +109,7 @@ std::optional<Failure> measureFrame(const Options& options, int frame, ClipMetri
   auto reference = readExr(fileOf(options, options.reference, frame));
   if (!picture) return Failure{picture.error(), ExitCode::unreadable};
   if (!reference) return Failure{reference.error(), ExitCode::unreadable};
-  rename(reference.value().channels, options.against, options.channels);
+  if (!options.against.empty()) rename(reference.value().channels, options.against, options.channels);
   if (clip.channels.empty()) clip.channels = defaultChannels(picture.value(), reference.value());
   const Mask mask = surfaceMask(reference.value());
   const Comparison comparison{picture.value(), reference.value(), clip.channels, mask};

@@ -61,6 +61,19 @@ TEST_F(MeasureCommand, ComparesWithAChannelOfAnotherName) {
   EXPECT_EQ(measure("picture.exr reference.exr --channels sky --against dome,sky").exitCode, 2);
 }
 
+TEST_F(MeasureCommand, ComparesNamedChannelsOfTheSameName) {
+  Image image{8, 4, {"B", "G", "R", "sky"}, std::vector<float>(128, 0.5f)};
+  ASSERT_TRUE(writeExr(folder / "picture.exr", image, ExrBits::single).ok());
+  for (std::size_t p = 2; p < image.pixels.size(); p += 4) image.pixels[p] = 0.25f;
+  ASSERT_TRUE(writeExr(folder / "reference.exr", image, ExrBits::single).ok());
+  const ShellResult all = measure("picture.exr reference.exr --channels R,G,B --json"),
+                    red = measure("picture.exr reference.exr --channels R --json");
+  ASSERT_EQ(all.exitCode, 0) << all.output;
+  ASSERT_EQ(red.exitCode, 0) << red.output;
+  EXPECT_NEAR(nlohmann::json::parse(all.output).at("frames").at(0).at("rmse").get<double>(), 0.25 / std::sqrt(3.0), 1e-6);
+  EXPECT_EQ(nlohmann::json::parse(red.output).at("frames").at(0).at("rmse"), 0.25);
+}
+
 TEST_F(MeasureCommand, PrintsAClipWithItsFlickerAsJson) {
   for (int frame = 0; frame < 3; ++frame) {
     write(fmt::format("picture_{}.exr", frame), 0.5f + 0.125f * static_cast<float>(frame % 2), false);
