@@ -151,7 +151,7 @@ TEST(RayFormulas, ReachIsWhereTheVolumeEnds) {
     const glm::dvec3 p(place(random), place(random), place(random));
     const glm::dvec3 d = i < 6 ? glm::dvec3(i % 3 == 0, i % 3 == 1, i % 3 == 2) * (i < 3 ? 1.0 : -1.0)
                                : glm::normalize(glm::dvec3(way(random), way(random), way(random)));
-    const double reach = shared::rayReach(p, d, size);
+    const double reach = shared::reachInVolume(p, d, size);
     for (double t = reach + 0.01; t < reach + 100.0; t += 0.5) ASSERT_FALSE(inside(p + t * d)) << i << " at " << t;
     if (inside(p) && reach > 0.02) {
       ASSERT_TRUE(inside(p + (reach - 0.01) * d)) << i;

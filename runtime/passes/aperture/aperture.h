@@ -13,6 +13,7 @@
 
 #include "formats/shared/aperture.h"
 #include "runtime/passes/aperture/caps.h"
+#include "runtime/passes/screen/screen.h"
 
 OVERCAST_SHARED_BEGIN
 
@@ -71,11 +72,6 @@ OVERCAST_INLINE float coneRadius(float aperture, float light, float d) {
 /// Half the width, in voxels, of a cone at distance t from its tip.
 OVERCAST_INLINE float coneWidth(float t, float radius) {
   return max(t * capSine(radius), kConeNarrowest);
-}
-
-/// How much of a cone is clear where the nearest surface is `phi` from its axis (negative: beyond it), [0, 1].
-OVERCAST_INLINE float coneClear(float phi, float width) {
-  return clamp(0.5f + 0.5f * phi / width, 0.0f, 1.0f);
 }
 
 /// How far the next step goes: to where something can be that is not seen from here, but on through what half blocks the cone.

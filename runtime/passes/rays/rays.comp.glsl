@@ -10,7 +10,7 @@ layout(push_constant) uniform Push {
 #include "runtime/passes/screen/volume.glsl"
 
 float clearRay(vec3 from, vec3 direction) {
-  float reach = rayReach(from, direction, volumeSize());
+  float reach = reachInVolume(from, direction, volumeSize());
   float t = 0.0f;
   for (int i = 0; i < kRaySteps && t < reach; ++i) {
     float phi = volumeAt(from + t * direction);

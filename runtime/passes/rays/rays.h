@@ -42,16 +42,6 @@ OVERCAST_INLINE vec3 rayDirection(int ray, int count, int place) {
   return vec3(radius * cos(angle), radius * sin(angle), sqrt(1.0f - squared));
 }
 
-/// How far from `p` along the unit vector `direction` the volume [0, size] ends for good; 0 where it lies behind.
-OVERCAST_INLINE float rayReach(vec3 p, vec3 direction, vec3 size) {
-  float end = 1.0e9f;
-  for (int axis = 0; axis < 3; ++axis) {
-    float rise = abs(direction[axis]) < 1.0e-9f ? 1.0e-9f : direction[axis];
-    end = min(end, max(-p[axis] / rise, (size[axis] - p[axis]) / rise));
-  }
-  return max(end, 0.0f);
-}
-
 OVERCAST_SHARED_END
 
 #endif

@@ -26,6 +26,21 @@ OVERCAST_INLINE mat3 frameAbout(vec3 normal) {
   return mat3(x, z, normal);
 }
 
+/// How far from `p` along the unit vector `direction` the volume [0, size] ends for good; 0 where it lies behind.
+OVERCAST_INLINE float reachInVolume(vec3 p, vec3 direction, vec3 size) {
+  float end = 1.0e9f;
+  for (int axis = 0; axis < 3; ++axis) {
+    float rise = abs(direction[axis]) < 1.0e-9f ? 1.0e-9f : direction[axis];
+    end = min(end, max(-p[axis] / rise, (size[axis] - p[axis]) / rise));
+  }
+  return max(end, 0.0f);
+}
+
+/// How much of a cone is clear where the nearest surface is `phi` from its axis (negative: beyond it), [0, 1].
+OVERCAST_INLINE float coneClear(float phi, float width) {
+  return clamp(0.5f + 0.5f * phi / width, 0.0f, 1.0f);
+}
+
 OVERCAST_SHARED_END
 
 #endif

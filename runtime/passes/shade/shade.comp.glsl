@@ -67,7 +67,7 @@ float field(int level, vec3 p) {
 #ifdef OVERCAST_TRACED
 // How much of a cone is free.
 float openCone(vec3 from, vec3 axis, float spread) {
-  float reach = traceReach(from, axis, vec3(textureSize(level0, 0)));
+  float reach = reachInVolume(from, axis, vec3(textureSize(level0, 0)));
   float open = 1.0f;
   float before = 0.0f;
   float step = 1.0f;
@@ -77,7 +77,7 @@ float openCone(vec3 from, vec3 axis, float spread) {
     float phi = field(0, from + t * axis);
     float fall = (before - phi) / step;
     if (traceIsShut(phi, t, max(fall, fallBefore))) return 0.0f;
-    open = min(open, traceOpenness(phi, traceWidth(t, spread)));
+    open = min(open, coneClear(phi, traceWidth(t, spread)));
     before = phi;
     fallBefore = fall;
     step = max(phi, kTraceShortest);

@@ -88,26 +88,11 @@ OVERCAST_INLINE float traceWidth(float t, float spread) {
   return clamp(t * spread, kTraceNarrowest, kTraceWidest);
 }
 
-/// How much of it is free where the nearest surface is `phi` from its axis (negative: beyond it).
-OVERCAST_INLINE float traceOpenness(float phi, float width) {
-  return clamp(0.5f + 0.5f * phi / width, 0.0f, 1.0f);
-}
-
 /// Whether the axis runs into a surface at `t`, where the field is `phi` and falls by `fall` per voxel, the more of the last two steps:
 /// right at a thin sheet samples on both sides of it leave it flat. Cones that leave a crease for the open are not stopped by the wall
 /// beside them.
 OVERCAST_INLINE bool traceIsShut(float phi, float t, float fall) {
   return phi < kTraceHit * min(0.5f * t, 1.0f) && fall > kTraceHeadOn;
-}
-
-/// Voxels from `p` along `direction` to where it leaves a volume of `size` voxels.
-OVERCAST_INLINE float traceReach(vec3 p, vec3 direction, vec3 size) {
-  float end = 1.0e9f;
-  for (int axis = 0; axis < 3; ++axis) {
-    float rise = abs(direction[axis]) < 1.0e-9f ? 1.0e-9f : direction[axis];
-    end = min(end, max(-p[axis] / rise, (size[axis] - p[axis]) / rise));
-  }
-  return max(end, 0.0f);
 }
 
 /// N', from a normal of any length: a degenerate one (zero, not finite) counts as none, which leaves the skew.
