@@ -4,8 +4,6 @@
 #include <cstdlib>
 #include <filesystem>
 
-#include <glob.h>
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
@@ -14,8 +12,7 @@
 #include "formats/files.h"
 #include "formats/image.h"
 #include "formats/scene.h"
-#include "tests/commands/scratch.h"
-#include "tests/commands/shell.h"
+#include "tests/commands/player_fixture.h"
 #include "tests/reference/shapes.h"
 #include "tests/runtime/baked_scene.h"
 
@@ -27,25 +24,13 @@ using testing::AllOf;
 using testing::HasSubstr;
 using testing::Not;
 
-class PlayerCommand : public ::testing::Test {
+class PlayerCommand : public PlayerFixture {
  protected:
   void SetUp() override {
-    folder = scratchFolder();
+    PlayerFixture::SetUp();
     scene = writeBakedScene(folder, {.animated = true});
-    glob_t found{};
-    if (glob("/usr/share/vulkan/icd.d/lvp_icd*.json", 0, nullptr, &found) == 0) driver = found.gl_pathv[0];
-    globfree(&found);
   }
-  /// Runs the player on lavapipe with a cache of its own.
-  ShellResult play(const std::string& arguments) const {
-    return shell(fmt::format("VK_DRIVER_FILES={} XDG_RUNTIME_DIR={} XDG_CACHE_HOME={} {}/overcast-player {}", quoted(driver),
-                             quoted(folder.string()), quoted((folder.parent_path() / "player cache").string()),
-                             quoted(OVERCAST_BINARY_FOLDER), arguments),
-                 folder);
-  }
-  fs::path folder;
   fs::path scene;
-  std::string driver;
 };
 
 TEST_F(PlayerCommand, CostMeasuresEveryKindOnce) {

@@ -1,8 +1,6 @@
 // overcast-player report and compare as a user runs them, on a small scene.
 #include <fstream>
 
-#include <glob.h>
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
@@ -10,6 +8,7 @@
 #include "formats/report.h"
 #include "formats/scene.h"
 #include "tests/commands/bake_fixture.h"
+#include "tests/commands/player_fixture.h"
 
 namespace overcast::test {
 namespace {
@@ -17,24 +16,9 @@ namespace {
 namespace fs = std::filesystem;
 using testing::HasSubstr;
 
-class ReportCommand : public ::testing::Test {
+class ReportCommand : public PlayerFixture {
  protected:
-  void SetUp() override {
-    folder = scratchFolder();
-    glob_t found{};
-    if (glob("/usr/share/vulkan/icd.d/lvp_icd*.json", 0, nullptr, &found) == 0) driver = found.gl_pathv[0];
-    globfree(&found);
-  }
-  /// Runs the player on lavapipe with a cache of its own.
-  ShellResult play(const std::string& arguments) const {
-    return shell(fmt::format("VK_DRIVER_FILES={} XDG_RUNTIME_DIR={} XDG_CACHE_HOME={} {}/overcast-player {}", quoted(driver),
-                             quoted(folder.string()), quoted((folder.parent_path() / "player cache").string()),
-                             quoted(OVERCAST_BINARY_FOLDER), arguments),
-                 folder);
-  }
   ShellResult bake(const std::string& arguments) const { return shell(fmt::format("{} {}", kBake, arguments), folder); }
-  fs::path folder;
-  std::string driver;
 };
 
 TEST_F(ReportCommand, MeasuresWritesChoosesAndCompares) {
