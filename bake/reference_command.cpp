@@ -12,10 +12,13 @@
 #include "bake/reference_options.h"
 #include "formats/console.h"
 #include "formats/files.h"
+#include "formats/scene.h"
+#include "formats/sky.h"
 
 namespace overcast {
 namespace {
 
+namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
 /// "view0_0000: 320x180, sky 1024 rays, error 0.002; light ..., 3.1 s"
@@ -70,6 +73,20 @@ int runJobs(const Scene& scene, const ReferenceOptions& options, const std::vect
   return kOk;
 }
 
+/// The picture that is the sky: the one asked for, else the scene's; none: its colour.
+Result<std::optional<SkyImage>> skyOf(const Scene& scene, const ReferenceOptions& options) {
+  fs::path file = options.sky;
+  if (file.empty() && scene.lighting && !scene.lighting->skyImage.empty()) {
+    const auto own = skyFile(options.scene.parent_path(), scene.lighting->skyImage);
+    if (!own) return own.error();
+    file = own.value();
+  }
+  if (file.empty()) return std::optional<SkyImage>();
+  auto read = readSkyImage(file);
+  if (!read) return read.error();
+  return std::optional(std::move(read).value());
+}
+
 }  // namespace
 
 int referenceCommand(const std::vector<std::string>& arguments) {
@@ -91,14 +108,10 @@ int referenceCommand(const std::vector<std::string>& arguments) {
     complain(scene.error());
     return kBadInput;
   }
-  std::optional<SkyImage> sky;
-  if (!options.sky.empty()) {
-    auto read = readSkyImage(options.sky);
-    if (!read) {
-      complain(read.error());
-      return kBadInput;
-    }
-    sky = std::move(read).value();
+  const auto sky = skyOf(scene.value(), options);
+  if (!sky) {
+    complain(sky.error());
+    return kBadInput;
   }
   if (const auto writable = checkWritable(options.folder); !writable) {
     complain(writable.error());
@@ -114,7 +127,7 @@ int referenceCommand(const std::vector<std::string>& arguments) {
     cache = std::move(opened).value();
   }
   std::vector<ReferenceJob> list = jobs.value();
-  for (ReferenceJob& job : list) job.sky = sky ? &*sky : nullptr;
+  for (ReferenceJob& job : list) job.sky = sky.value() ? &*sky.value() : nullptr;
   watchInterrupts();
   std::optional<tbb::global_control> limit;
   if (options.threads > 0) limit.emplace(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(options.threads));

@@ -56,7 +56,7 @@ void addReferenceOptions(CLI::App& app, ReferenceOptions& options) {
       ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll)
       ->allow_extra_args(false);
   app.add_option("--sky", options.sky,
-                 "EXR of the sky by latitude and longitude (top row up, middle +z), instead of the scene's uniform sky");
+                 "EXR of the sky (latitude and longitude, top row up, middle +z; or a cube), instead of the scene's own");
   app.add_option("--points", options.points, "also so many points spread evenly over all surfaces")
       ->check(CLI::Range(std::uint64_t{0}, kMostPoints));
   app.add_flag("--points-only", options.pointsOnly, "no views");

@@ -8,29 +8,48 @@
 #include <glm/common.hpp>
 
 #include "formats/files.h"
+#include "formats/image_mipmaps.h"
+#include "formats/radius.h"
+#include "formats/shared/cube_map.h"
+#include "formats/sky.h"
 
 namespace overcast {
 
+namespace {
+
 constexpr double kPi = std::numbers::pi;
 
+bool isCube(const SkyImage& sky) {
+  return sky.height == 6 * sky.width;
+}
+
+/// Gives texels on the edges of a cube what the one has that stands for all of the place.
+void shareEdges(SkyImage& sky) {
+  for (unsigned face = 0; face < shared::kCubeFaces; ++face)
+    for (int j = 0; j < sky.width; ++j)
+      for (int i = 0; i < sky.width; ++i)
+        sky.radiance[texelIndex(sky.width, face, i, j)] = sky.radiance[texelTowards(sky.width, texelDirection(sky.width, face, i, j))];
+}
+
+}  // namespace
+
 Result<SkyImage> makeSkyImage(const Image& image) {
-  constexpr float kLargestHalf = 65504.0f;
-  if (image.width != 2 * image.height) return Error{"", "", fmt::format("is {}x{}, not twice as wide as high", image.width, image.height)};
-  std::array<int, 3> channels{channelIndex(image, "R"), channelIndex(image, "G"), channelIndex(image, "B")};
-  if (*std::min_element(channels.begin(), channels.end()) < 0) channels.fill(channelIndex(image, "Y"));
-  if (channels[0] < 0) return Error{"", "", "has neither channels R, G and B nor Y"};
-  SkyImage sky{image.width, image.height, {}, glm::dvec3(0.0), ""};
+  const auto harmonics = skyHarmonics(image);
+  if (!harmonics) return harmonics.error();
+  const std::array<int, 3> channels = radianceChannels(image);
+  SkyImage sky{image.width, image.height, {}, meanRadiance(harmonics.value()), ""};
+  const std::vector<glm::dvec3> directions = isCube(sky) ? cubePixelDirections(image.width) : std::vector<glm::dvec3>();
+  sky.radiance.resize(isCube(sky) ? texelCount(image.width)
+                                  : static_cast<std::size_t>(image.width) * static_cast<std::size_t>(image.height));
   for (int y = 0; y < image.height; ++y) {
-    // Share of all directions in one pixel of the row.
-    const double share = 0.5 * (std::cos(kPi * y / image.height) - std::cos(kPi * (y + 1) / image.height)) / image.width;
     for (int x = 0; x < image.width; ++x) {
+      const auto pixel = static_cast<std::size_t>(y) * static_cast<std::size_t>(image.width) + static_cast<std::size_t>(x);
       const glm::vec3 read(at(image, x, y, channels[0]), at(image, x, y, channels[1]), at(image, x, y, channels[2]));
-      if (std::isnan(read.x) || std::isnan(read.y) || std::isnan(read.z))
-        return Error{"", fmt::format("pixel {}, {}", x, y), "is not a number"};
-      sky.radiance.push_back(glm::clamp(read, 0.0f, kLargestHalf));
-      sky.mean += share * glm::dvec3(sky.radiance.back());
+      sky.radiance[isCube(sky) ? texelTowards(image.width, directions[pixel]) : pixel] =
+          glm::clamp(read, 0.0f, static_cast<float>(kBrightestSky));
     }
   }
+  if (isCube(sky)) shareEdges(sky);
   return sky;
 }
 
@@ -46,6 +65,7 @@ Result<SkyImage> readSkyImage(const std::filesystem::path& path) {
 }
 
 glm::dvec3 radianceFrom(const SkyImage& sky, const glm::dvec3& direction) {
+  if (isCube(sky)) return glm::dvec3(sky.radiance[texelTowards(sky.width, direction)]);
   const double longitude = std::atan2(direction.x, direction.z), fromTop = std::acos(std::clamp(direction.y, -1.0, 1.0));
   const int x = static_cast<int>((0.5 - longitude / (2.0 * kPi)) * sky.width), y = static_cast<int>(fromTop / kPi * sky.height);
   const auto column = static_cast<std::size_t>(std::clamp(x, 0, sky.width - 1)),

@@ -12,18 +12,16 @@
 
 namespace overcast {
 
-/// Latitude and longitude, twice as wide as high, each pixel a cell of them of one radiance. The top row is up (+y); the middle of the
-/// picture is +z, the middle of its left half +x, as OpenEXR has it.
+/// Latitude and longitude or the faces of a cube, in the layouts of formats/sky.h; each pixel has one radiance.
 struct SkyImage {
   int width = 0;
-  int height = 0;
-  std::vector<glm::vec3> radiance;  ///< linear, row after row, at least 0
+  int height = 0;                   ///< six times the width: a cube
+  std::vector<glm::vec3> radiance;  ///< linear, at least 0: row after row; of a cube by texelIndex (formats/radius.h)
   glm::dvec3 mean{0.0};             ///< over all directions
   std::string hash;                 ///< of the file
 };
 
-/// From channels R, G, B or Y alone; negative radiance counts as 0, infinite as the largest half float. An Error without a file for other
-/// shapes and channels and for values that are not a number.
+/// What skyHarmonics (formats/sky.h) takes and refuses.
 Result<SkyImage> makeSkyImage(const Image& image);
 Result<SkyImage> readSkyImage(const std::filesystem::path& path);
 

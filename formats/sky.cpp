@@ -17,7 +17,6 @@ namespace overcast {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
-constexpr double kLargestHalf = 65504.0;
 
 /// Constants of the real orthonormal basis: of Y_0; of those linear in w; of xy, yz and xz; of 3 z^2 - 1; of x^2 - y^2.
 const double kConstant = std::sqrt(0.25 / kPi);
@@ -43,14 +42,6 @@ std::array<double, 9> harmonicsOf(const Moments& m) {
           kPolar * (3.0 * m.second[2][2] - m.zeroth),
           kMixed * m.second[0][2],
           kDifference * (m.second[0][0] - m.second[1][1])};
-}
-
-/// The channels that hold red, green and blue; -1 in the first where there are none.
-std::array<int, 3> colourChannels(const Image& image) {
-  const std::array<int, 3> colours{channelIndex(image, "R"), channelIndex(image, "G"), channelIndex(image, "B")};
-  if (*std::min_element(colours.begin(), colours.end()) >= 0) return colours;
-  const int grey = channelIndex(image, "Y");
-  return {grey, grey, grey};
 }
 
 /// Where rows or columns end, and integrals over them of what the moments are made of.
@@ -121,14 +112,14 @@ Moments texelMoments(const glm::dvec3& direction, double step) {
 /// Adds up pixels in the order of the file.
 class Projection {
  public:
-  explicit Projection(const Image& image) : image_(image), channels_(colourChannels(image)) {}
+  explicit Projection(const Image& image) : image_(image), channels_(radianceChannels(image)) {}
 
   void add(int x, int y, const Moments& moments) {
     const std::array<double, 9> harmonics = harmonicsOf(moments);
     glm::dvec3 radiance;
     for (int c = 0; c < 3; ++c) radiance[c] = static_cast<double>(at(image_, x, y, channels_[static_cast<std::size_t>(c)]));
     broken_ = broken_ || std::isnan(radiance.x + radiance.y + radiance.z);
-    radiance = glm::clamp(radiance, 0.0, kLargestHalf);
+    radiance = glm::clamp(radiance, 0.0, kBrightestSky);
     for (std::size_t i = 0; i < 9; ++i) sums_[i] += harmonics[i] * radiance;
   }
 
@@ -154,8 +145,15 @@ SkyHarmonics uniformSky(const glm::vec3& radiance) {
   return sky;
 }
 
+std::array<int, 3> radianceChannels(const Image& image) {
+  const std::array<int, 3> colours{channelIndex(image, "R"), channelIndex(image, "G"), channelIndex(image, "B")};
+  if (*std::min_element(colours.begin(), colours.end()) >= 0) return colours;
+  const int grey = channelIndex(image, "Y");
+  return {grey, grey, grey};
+}
+
 Result<SkyHarmonics> skyHarmonics(const Image& image) {
-  if (colourChannels(image)[0] < 0) return Error{"", "", "has neither the channels R, G and B nor Y"};
+  if (radianceChannels(image)[0] < 0) return Error{"", "", "has neither the channels R, G and B nor Y"};
   const int width = image.width, height = image.height;
   Projection projection(image);
   if (width == 2 * height) {
@@ -193,6 +191,10 @@ Result<std::filesystem::path> skyFile(const std::filesystem::path& folder, const
   Result<std::filesystem::path> file = resolveInside(folder, uriFromPath(skyImage));
   if (!file) return Error{(folder / skyImage).string(), "OVERCAST_lighting/sky/image", file.error().reason};
   return file;
+}
+
+glm::dvec3 meanRadiance(const SkyHarmonics& sky) {
+  return kConstant * glm::dvec3(sky.coefficients[0]);
 }
 
 SkyHarmonics turned(const SkyHarmonics& sky, const glm::dmat3& localFromWorld) {

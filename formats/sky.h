@@ -33,6 +33,15 @@ Result<SkyHarmonics> skyHarmonics(const Image& image);
 /// Reads an EXR and projects it. Errors name the file.
 Result<SkyHarmonics> readSky(const std::filesystem::path& path);
 
+/// Over all directions.
+glm::dvec3 meanRadiance(const SkyHarmonics& sky);
+
+/// Places of the channels that an image's radiance is in: R, G and B, or Y three times; the first is negative where it has neither.
+std::array<int, 3> radianceChannels(const Image& image);
+
+/// Radiance that readers of sky images take, 0 to kBrightestSky: what is outside is clamped.
+inline constexpr double kBrightestSky = 65504.0;  ///< the largest half float
+
 /// Where the sky image of a scene is whose file lies in `folder`: `skyImage` is Lighting::skyImage. An Error when it leaves the folder.
 Result<std::filesystem::path> skyFile(const std::filesystem::path& folder, const std::string& skyImage);
 

@@ -11,6 +11,7 @@
 #include <glm/ext/matrix_transform.hpp>
 
 #include "bake/sample_table.h"
+#include "formats/image_mipmaps.h"
 #include "tests/bake/reference_scenes.h"
 #include "tests/reference/shapes.h"
 
@@ -191,6 +192,24 @@ TEST(ReferenceTrace, ASkyImageShinesFromWhereItSays) {
   EXPECT_NEAR(quantities[3].values[1], 0.5 * 1.0 * 0.25, 1e-3);
   EXPECT_EQ(quantities[0].values[0], 1.0f);
   image.width = 8;
+  EXPECT_FALSE(makeSkyImage(image).ok());
+}
+
+TEST(ReferenceTrace, ACubeIsTheSkyThatItsPixelsSay) {
+  // A radiance that says the direction: what is read back is that of a pixel's centre nearby.
+  constexpr int kSide = 33;
+  Image image{kSide, 6 * kSide, {"R", "G", "B"}, {}};
+  for (const glm::dvec3& direction : cubePixelDirections(kSide))
+    for (int c = 0; c < 3; ++c) image.pixels.push_back(static_cast<float>(1.0 + glm::normalize(direction)[c]));
+  const SkyImage sky = makeSkyImage(image).value();
+  for (int c = 0; c < 3; ++c) EXPECT_NEAR(sky.mean[c], 1.0, 1e-6);
+  const auto apart = [&](const glm::dvec3& direction) { return glm::length(radianceFrom(sky, direction) - 1.0 - direction); };
+  for (const glm::dvec3& pixel : cubePixelDirections(kSide)) EXPECT_LT(apart(glm::normalize(pixel)), 1e-6);
+  for (int i = 0; i < 1000; ++i) {
+    const double height = 1.0 - 2.0 * (i + 0.5) / 1000.0, turn = 2.4 * i, around = std::sqrt(1.0 - height * height);
+    EXPECT_LT(apart({around * std::cos(turn), height, around * std::sin(turn)}), std::sqrt(2.0) / (kSide - 1) + 1e-6);
+  }
+  image.height = 5 * kSide;
   EXPECT_FALSE(makeSkyImage(image).ok());
 }
 

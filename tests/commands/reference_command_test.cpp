@@ -105,6 +105,29 @@ TEST_F(ReferenceCommand, AnotherSkyGivesOtherColoursAlone) {
   EXPECT_EQ(run("--sky nothing.exr").exitCode, 3);
 }
 
+TEST_F(ReferenceCommand, TheSkyIsTheScenesImageUnlessAnotherIsNamed) {
+  ASSERT_TRUE(writeExr(folder / "red.exr", {2, 1, {"R", "G", "B"}, {1.0f, 0.0f, 0.0f, 1.0f, 0.0f, 0.0f}}).ok());
+  ASSERT_TRUE(writeExr(folder / "green.exr", {2, 1, {"R", "G", "B"}, {0.0f, 1.0f, 0.0f, 0.0f, 1.0f, 0.0f}}).ok());
+  scene.lighting->skyImage = "red.exr";
+  save();
+  const auto sumOf = [&](const char* channel) {
+    const Image image = readExr(folder / "out/view0_0000.exr").value();
+    double sum = 0.0;
+    for (int i = 0; i < 32 * 24; ++i) sum += static_cast<double>(at(image, i % 32, i / 32, channelIndex(image, channel)));
+    return sum;
+  };
+  ASSERT_EQ(run("--samples 128").exitCode, 0);
+  EXPECT_GT(sumOf("R"), 0.0);
+  EXPECT_EQ(sumOf("G"), 0.0);
+  ASSERT_EQ(run("--samples 128 --sky green.exr").exitCode, 0);
+  EXPECT_EQ(sumOf("R"), 0.0);
+  EXPECT_GT(sumOf("G"), 0.0);
+  fs::remove(folder / "red.exr");
+  const ShellResult missing = run("--samples 128");
+  EXPECT_EQ(missing.exitCode, 3);
+  EXPECT_THAT(missing.output, HasSubstr("red.exr"));
+}
+
 TEST_F(ReferenceCommand, GivesTheSameBytesOnAnyNumberOfThreads) {
   ASSERT_EQ(run("--samples 128 --points 50 --threads 1").exitCode, 0);
   const std::string view = contents(folder / "out/view0_0000.exr"), points = contents(folder / "out/points_0000.exr");
