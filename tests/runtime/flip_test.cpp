@@ -104,6 +104,43 @@ TEST(Flip, OfAnyPictureIsTheDirectSum) {
   }
 }
 
+// Waves of three colours, linear from sRGB values; with a row turned to its opposite and a column of a quarter of the light.
+Image waves(int width, int height, int shift, bool lines) {
+  Image image{width, height, kColour, {}};
+  for (int y = 0; y < height; ++y) {
+    for (int pixel = 0; pixel < width; ++pixel) {
+      const double x = pixel + shift;
+      for (const double phase : {0.31 * x + 0.17 * y, 0.11 * x - 0.23 * y + 1.0, 0.07 * x + 0.05 * y + 2.0}) {
+        double encoded = 0.5 + 0.5 * std::sin(phase);
+        if (lines && y == height / 3) encoded = 1.0 - encoded;
+        if (lines && pixel == width / 2) encoded *= 0.25;
+        image.pixels.push_back(static_cast<float>(encoded > 0.04045 ? std::pow((encoded + 0.055) / 1.055, 2.4) : encoded / 12.92));
+      }
+    }
+  }
+  return image;
+}
+
+TEST(Flip, AgreesWithThePublishedProgram) {
+  // What compute_ldrflip of the authors' own program (github.com/NVlabs/flip, python/flip_api.py at 313517b4), its filter2D replaced by
+  // SciPy's correlate, gave for these pictures.
+  struct Case {
+    int width, height;
+    double pixelsPerDegree;
+    int shift;
+    bool lines;
+    double mean, largest;
+  };
+  for (const Case& c :
+       {Case{64, 48, kFlipPixelsPerDegree, 1, false, 0.319849, 0.490523}, Case{64, 48, kFlipPixelsPerDegree, 0, true, 0.129488, 0.965346},
+        Case{64, 48, kFlipPixelsPerDegree, 3, true, 0.654266, 0.971472}, Case{48, 64, 30.0, 1, false, 0.332306, 0.520259},
+        Case{48, 64, 30.0, 0, true, 0.088812, 0.987279}, Case{48, 64, 30.0, 3, true, 0.676442, 0.987188}}) {
+    const FlipMap map = flipOf(waves(c.width, c.height, c.shift, c.lines), waves(c.width, c.height, 0, false), c.pixelsPerDegree);
+    EXPECT_NEAR(map.mean, c.mean, 1e-5) << c.width << " " << c.shift << c.lines;
+    EXPECT_NEAR(*std::max_element(map.errors.begin(), map.errors.end()), c.largest, 1e-4) << c.width << " " << c.shift << c.lines;
+  }
+}
+
 TEST(Flip, StaysWithinBoundsAndIsSymmetric) {
   for (const unsigned seed : {30u, 31u, 32u}) {
     const Image a = scene(30, 30, seed), b = scene(30, 30, seed + 50);
