@@ -1,25 +1,12 @@
-// One thread per pixel: base colour times sky times sky visibility. OVERCAST_TAPS taps of the estimator, along the skewed normal or along
-// each of OVERCAST_CONES cones. OVERCAST_SKY: the sky is not uniform.
+// One thread per pixel: base colour times sky times sky visibility. OVERCAST_SKY: the sky is not uniform; the estimator is that of
+// sky_visibility.glsl.
 #version 460
 #include "runtime/passes/aperture/sky.h"
 #include "runtime/passes/screen/screen.glsl"
-#include "runtime/passes/shade/shade.h"
+#include "runtime/passes/shade/sky_visibility.glsl"
 
 layout(push_constant) uniform Push {
   ShadePush push;
-};
-// Levels that no tap reads repeat the last one.
-layout(set = 0, binding = 4) uniform sampler3D level0;
-layout(set = 0, binding = 5) uniform sampler3D level1;
-layout(set = 0, binding = 6) uniform sampler3D level2;
-layout(set = 0, binding = 7) uniform sampler3D level3;
-layout(set = 0, binding = 8) uniform sampler3D level4;
-layout(set = 0, binding = 9) uniform sampler3D level5;
-layout(set = 0, binding = 10) uniform sampler3D level6;
-layout(set = 0, binding = 11) uniform sampler3D level7;
-
-layout(set = 0, binding = 12, std430) readonly buffer Constants {
-  SkyConstants estimator;
 };
 #ifdef OVERCAST_SKY
 layout(set = 0, binding = 13, std430) readonly buffer Sky {
@@ -36,98 +23,11 @@ vec3 openSky(vec3 normal) {
 #endif
 }
 
-// phi of a level at a point inside it, both in voxels of level 0.
-float sampleLevel(int level, vec3 inside) {
-  vec3 at = inside / exp2(float(level));
-  switch (level) {
-    case 0:
-      return textureLod(level0, at / vec3(textureSize(level0, 0)), 0.0f).r;
-    case 1:
-      return textureLod(level1, at / vec3(textureSize(level1, 0)), 0.0f).r;
-    case 2:
-      return textureLod(level2, at / vec3(textureSize(level2, 0)), 0.0f).r;
-    case 3:
-      return textureLod(level3, at / vec3(textureSize(level3, 0)), 0.0f).r;
-    case 4:
-      return textureLod(level4, at / vec3(textureSize(level4, 0)), 0.0f).r;
-    case 5:
-      return textureLod(level5, at / vec3(textureSize(level5, 0)), 0.0f).r;
-    case 6:
-      return textureLod(level6, at / vec3(textureSize(level6, 0)), 0.0f).r;
-    default:
-      return textureLod(level7, at / vec3(textureSize(level7, 0)), 0.0f).r;
-  }
-}
-
-float field(int level, vec3 p) {
-  vec3 inside = insideLevel(p, vec3(textureSize(level0, 0)), level);
-  return sampleLevel(level, inside) + distance(p, inside);
-}
-
-#ifdef OVERCAST_TRACED
-// How much of a cone is free.
-float openCone(vec3 from, vec3 axis, float spread) {
-  float reach = reachInVolume(from, axis, vec3(textureSize(level0, 0)));
-  float open = 1.0f;
-  float before = 0.0f;
-  float step = 1.0f;
-  float fallBefore = 0.0f;
-  float t = 0.0f;
-  for (int i = 0; i < kTraceSteps && t < reach && open > 0.0f; ++i) {
-    float phi = field(0, from + t * axis);
-    float fall = (before - phi) / step;
-    if (traceIsShut(phi, t, max(fall, fallBefore))) return 0.0f;
-    open = min(open, coneClear(phi, traceWidth(t, spread)));
-    before = phi;
-    fallBefore = fall;
-    step = max(phi, kTraceShortest);
-    t += step;
-  }
-  return open;
-}
-
-float visibility(vec3 p, vec3 normal) {
-  mat3 frame = frameAbout(normal);
-  vec3 from = p + kTraceStart * normal;
-  float sum = 0.0f;
-  for (int cone = 0; cone < OVERCAST_CONES; ++cone) {
-    vec3 axis = vec3(estimator.directions[cone]);
-    sum += openCone(from, frame * axis, traceSpread(OVERCAST_CONES, axis.z));
-  }
-  return sum / float(OVERCAST_CONES);
-}
-#elif defined(OVERCAST_CONES)
-float visibility(vec3 p, vec3 normal) {
-  mat3 frame = frameAbout(normal);
-  float sum = 0.0f;
-  for (int cone = 0; cone < OVERCAST_CONES; ++cone) {
-    vec3 axis = frame * vec3(estimator.directions[cone]);
-    float open = 1.0f;
-    for (int tap = 0; tap < OVERCAST_TAPS; ++tap) {
-      float d = estimator.taps[tap].distance;
-      open = min(open, coneOpenness(field(estimator.taps[tap].level, p + d * axis), d, estimator.cone));
-    }
-    sum += open;
-  }
-  return pow(sum / float(OVERCAST_CONES), estimator.cone.z);
-}
-#else
-float visibility(vec3 p, vec3 normal) {
-  vec3 skewed = skewedNormal(normal, vec3(push.skew));
-  float exponent = 0.0f;
-  for (int tap = 0; tap < OVERCAST_TAPS; ++tap) {
-    float d = estimator.taps[tap].distance;
-    exponent += estimator.taps[tap].weight * tapMissing(field(estimator.taps[tap].level, p + d * skewed), d, push.skew.w);
-  }
-  return skyVisibility(exponent);
-}
-#endif
-
 void main() {
   ivec2 pixel;
   vec3 p;
   if (!surfaceOfThread(push.voxelFromClip, pixel, p)) return;
   vec3 normal = texelFetch(normalImage, pixel, 0).xyz;
-  float sky = visibility(p, normal);
+  float sky = visibility(p, normal, push.skew);
   writeLight(pixel, openSky(normal) * sky, sky);
 }
