@@ -72,13 +72,14 @@ class Fields {
   }
 
   /// An array of `count` numbers.
-  void numbers(const char* key, std::vector<float>& out, std::size_t count, double low, double high) {
+  template <class T>
+  void numbers(const char* key, std::vector<T>& out, std::size_t count, double low, double high) {
     const Json& value = find(key);
     if (!value.is_array() || value.size() != count) return fail(key, fmt::format("is not an array of {} numbers", count));
     out.clear();
     for (const Json& entry : value) {
       if (!checked(entry, key, low, high)) return;
-      out.push_back(static_cast<float>(entry.get<double>()));
+      out.push_back(static_cast<T>(entry.get<double>()));
     }
   }
 

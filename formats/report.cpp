@@ -15,13 +15,16 @@ constexpr int kLargestInteger = std::numeric_limits<int>::max();
 constexpr std::uint64_t kLargestCount = std::numeric_limits<std::uint64_t>::max();
 
 Json timeJson(const ReportTime& time) {
-  return {{"median", time.median}, {"p95", time.p95}, {"noise", time.noise}};
+  Json json{{"median", time.median}, {"p95", time.p95}, {"noise", time.noise}};
+  if (time.rounds > 0) json["rounds"] = time.rounds;
+  return json;
 }
 
 void readTime(Fields fields, ReportTime& time) {
   fields.number("median", time.median, 0.0, kLargestNumber);
   fields.number("p95", time.p95, 0.0, kLargestNumber);
   fields.number("noise", time.noise, 0.0, kLargestNumber);
+  if (fields.has("rounds")) fields.integer("rounds", time.rounds, 1, kLargestInteger);
 }
 
 /// Key, member and least value of every error: one list for writing and reading.
@@ -44,12 +47,14 @@ Json errorsJson(const ReportErrors& errors) {
   Json json;
   for (const ErrorField& field : kErrorFields) json[field.key] = errors.*field.member;
   if (errors.flicker >= 0.0) json["flicker"] = errors.flicker;
+  if (!errors.views.empty()) json["views"] = errors.views;
   return json;
 }
 
-void readErrors(Fields fields, ReportErrors& errors) {
+void readErrors(Fields fields, std::size_t views, ReportErrors& errors) {
   for (const ErrorField& field : kErrorFields) fields.number(field.key, errors.*field.member, field.low, kLargestNumber);
   if (fields.has("flicker")) fields.number("flicker", errors.flicker, 0.0, kLargestNumber);
+  if (fields.has("views")) fields.numbers("views", errors.views, views, 0.0, kLargestNumber);
 }
 
 Json rowJson(const ReportRow& row) {
@@ -57,8 +62,10 @@ Json rowJson(const ReportRow& row) {
   if (!row.estimator.empty()) json["estimator"] = row.estimator;
   if (row.resolution > 0) json["resolution"] = row.resolution;
   if (row.taps > 0) json["taps"] = row.taps;
+  if (row.cones > 0) json["cones"] = row.cones;
   if (!row.apertureMode.empty()) json["apertureMode"] = row.apertureMode;
   json["occluders"] = row.occluders;
+  if (!row.bake.empty()) json["bake"] = row.bake;
   json["storable"] = row.storable ? 1 : 0;
   json["errors"] = errorsJson(row.errors);
   json["frame"] = timeJson(row.frame);
@@ -77,18 +84,20 @@ Json rowJson(const ReportRow& row) {
   return json;
 }
 
-void readRow(Fields fields, ReportRow& row) {
+void readRow(Fields fields, std::size_t views, ReportRow& row) {
   fields.text("setting", row.setting, false);
   fields.text("technique", row.technique, false);
   if (fields.has("estimator")) fields.text("estimator", row.estimator, false);
   if (fields.has("resolution")) fields.integer("resolution", row.resolution, 1, kLargestInteger);
   if (fields.has("taps")) fields.integer("taps", row.taps, 1, kLargestInteger);
+  if (fields.has("cones")) fields.integer("cones", row.cones, 1, kLargestInteger);
   if (fields.has("apertureMode")) fields.text("apertureMode", row.apertureMode, false);
   fields.text("occluders", row.occluders, true);
+  if (fields.has("bake")) fields.text("bake", row.bake, false);
   int storable = 0;
   fields.integer("storable", storable, 0, 1);
   row.storable = storable == 1;
-  readErrors(fields.child("errors"), row.errors);
+  readErrors(fields.child("errors"), views, row.errors);
   readTime(fields.child("frame"), row.frame);
   readTime(fields.child("still"), row.still);
   for (std::size_t i = 0, count = fields.arraySize("passes"); i < count; ++i) {
@@ -116,9 +125,17 @@ Json sceneJson(const ReportScene& scene) {
             {"pixels", scene.pixels},
             {"referenceError", scene.referenceError},
             {"seed", scene.seed},
+            {"views", Json::array()},
             {"rows", Json::array()}};
+  for (const ReportView& view : scene.views) json["views"].push_back({{"camera", view.camera}, {"frame", view.frame}, {"time", view.time}});
   for (const ReportRow& row : scene.rows) json["rows"].push_back(rowJson(row));
   return json;
+}
+
+void readView(Fields fields, ReportView& view) {
+  fields.text("camera", view.camera, true);
+  fields.integer("frame", view.frame, 0, kLargestInteger);
+  fields.number("time", view.time, -kLargestNumber, kLargestNumber);
 }
 
 void readSceneOf(Fields fields, ReportScene& scene) {
@@ -128,8 +145,10 @@ void readSceneOf(Fields fields, ReportScene& scene) {
   fields.integer("pixels", scene.pixels, std::uint64_t{0}, kLargestCount);
   fields.number("referenceError", scene.referenceError, 0.0, kLargestNumber);
   fields.integer("seed", scene.seed, std::uint64_t{0}, kLargestCount);
+  for (std::size_t i = 0, count = fields.has("views") ? fields.arraySize("views") : 0; i < count; ++i)
+    readView(fields.element("views", i), scene.views.emplace_back());
   for (std::size_t i = 0, count = fields.arraySize("rows"); i < count; ++i) {
-    readRow(fields.element("rows", i), scene.rows.emplace_back());
+    readRow(fields.element("rows", i), scene.views.size(), scene.rows.emplace_back());
     const std::string& name = scene.rows.back().setting;
     if (rowNamed(scene, name) != &scene.rows.back()) fields.fail("rows", fmt::format("name the setting '{}' twice", name));
   }
@@ -149,6 +168,8 @@ void readAll(Fields& fields, Report& report) {
   fields.integer("timedWidth", report.timedWidth, 1, kLargestInteger);
   fields.integer("timedHeight", report.timedHeight, 1, kLargestInteger);
   fields.integer("rounds", report.rounds, 1, kLargestInteger);
+  if (fields.has("drift")) fields.number("drift", report.drift, 0.0, kLargestNumber);
+  if (fields.has("leftOut")) fields.text("leftOut", report.leftOut, false);
   for (std::size_t i = 0, count = fields.arraySize("scenes"); i < count; ++i)
     readSceneOf(fields.element("scenes", i), report.scenes.emplace_back());
 }
@@ -172,7 +193,9 @@ std::string reportJson(const Report& report) {
             {"timedWidth", report.timedWidth},
             {"timedHeight", report.timedHeight},
             {"rounds", report.rounds},
+            {"drift", report.drift},
             {"scenes", Json::array()}};
+  if (!report.leftOut.empty()) json["leftOut"] = report.leftOut;
   for (const ReportScene& scene : report.scenes) json["scenes"].push_back(sceneJson(scene));
   return dumpJson(json, 1) + "\n";
 }

@@ -19,6 +19,7 @@ struct ReportTime {
   double median = 0.0;
   double p95 = 0.0;    ///< the smallest that 95 % of the rounds do not exceed
   double noise = 0.0;  ///< by how much the median of another run on the same, equally busy device may differ
+  int rounds = 0;      ///< that were timed; of sums the fewest of their parts; 0: not said
 };
 
 struct ReportPass {
@@ -45,7 +46,8 @@ struct ReportErrors {
   double max = 0.0;
   double ssim = 0.0;
   double flip = 0.0;
-  double flicker = -1.0;  ///< RMS change of the error between consecutive frames; below 0: there are none
+  double flicker = -1.0;      ///< RMS change of the error between consecutive frames; below 0: there are none
+  std::vector<double> views;  ///< RMSE of each of ReportScene::views; empty: not said
 };
 
 /// What one setting reaches in one scene.
@@ -55,11 +57,13 @@ struct ReportRow {
   std::string estimator;     ///< of technique overcast; else empty
   int resolution = 0;        ///< voxels along the longest side of the global volume; 0: needs none
   int taps = 0;              ///< of an estimator; else 0
+  int cones = 0;             ///< of an estimator that has some and of which the setting says how many; else 0
   std::string apertureMode;  ///< where the scene has apertures and the setting reads them; else empty
   std::string occluders;     ///< how the scene was baked: precision and size of its local occluders
+  std::string bake;          ///< of a further bake of the scene, measured beside the first: what tells it apart; else empty
   bool storable = false;     ///< a scene's lighting can say it: a budget may choose it
   ReportErrors errors;
-  ReportTime frame;  ///< all passes, while everything moves: the whole volume is made anew
+  ReportTime frame;  ///< all passes, while everything moves: the whole volume is made anew. Sum of `still` and the passes that rest
   ReportTime still;  ///< the same without the passes that rest while nothing moves
   std::vector<ReportPass> passes;
   std::uint64_t gpuBytes = 0;     ///< on the device, beyond what a frame without any occlusion takes
@@ -67,13 +71,21 @@ struct ReportRow {
   std::vector<ReportStep> steps;  ///< where its error comes from; empty: not told apart
 };
 
+/// A reference that the pictures of a scene are compared with.
+struct ReportView {
+  std::string camera;
+  int frame = 0;
+  double time = 0.0;  ///< seconds
+};
+
 struct ReportScene {
-  std::string name;             ///< of the file, without folder and ending
-  std::string hash;             ///< tracedHash at the time of the first reference
-  int pictures = 0;             ///< references compared: cameras times frames
-  std::uint64_t pixels = 0;     ///< compared, of the first picture
-  double referenceError = 0.0;  ///< RMS of the reference's standard error over them
-  std::uint64_t seed = 0;       ///< of the reference
+  std::string name;               ///< of the file, without folder and ending
+  std::string hash;               ///< tracedHash at the time of the first reference
+  int pictures = 0;               ///< references compared: cameras times frames
+  std::uint64_t pixels = 0;       ///< compared, of the last picture
+  double referenceError = 0.0;    ///< RMS of the reference's standard error over them
+  std::uint64_t seed = 0;         ///< of the reference
+  std::vector<ReportView> views;  ///< what is compared, by camera, then by frame; empty: not said
   std::vector<ReportRow> rows;
 };
 
@@ -86,7 +98,9 @@ struct Report {
   int height = 0;
   int timedWidth = 0;  ///< pixels of those that times are of
   int timedHeight = 0;
-  int rounds = 0;  ///< timed frames of each setting
+  int rounds = 0;       ///< timed frames of each setting, at most; slow ones have fewer (ReportTime::rounds)
+  double drift = 0.0;   ///< by what share times differed when the first scene was timed again at the end; part of every noise
+  std::string leftOut;  ///< what this report does not sweep, in words; empty: nothing
   std::vector<ReportScene> scenes;
 };
 

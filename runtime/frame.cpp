@@ -136,7 +136,22 @@ Result<Done> makeSubmission(const Device& device, FrameRenderer& renderer) {
   return take(makePassTimer(device, std::move(names)), renderer.timer);
 }
 
-Result<Done> fillRenderer(const Device& device, const RuntimeScene& scene, FrameRenderer& renderer) {
+Result<Done> makeVolume(const Device& device, const RuntimeScene& scene, FrameRenderer& renderer, const FrameRenderer* lender) {
+  if (!readsVolume(renderer.settings.technique.technique)) return Done{};
+  if (lender != nullptr) {
+    OVERCAST_REQUIRE(lender->grid.size == renderer.grid.size, "borrows a volume of {} voxels across for one of {}", lender->grid.size.x,
+                     renderer.grid.size.x);
+    renderer.borrows = true;
+    renderer.composite.volume = lender->composite.volume;
+    return Done{};
+  }
+  const Result<Done> stored = take(makeAssetStore(device, scene.assets), renderer.store);
+  if (!stored) return stored;
+  const auto objects = static_cast<std::uint32_t>(scene.objects.size());
+  return take(makeCompositePass(device, renderer.grid, renderer.store, objects), renderer.composite);
+}
+
+Result<Done> fillRenderer(const Device& device, const RuntimeScene& scene, FrameRenderer& renderer, const FrameRenderer* lender) {
   const GlobalVolume& wanted = scene.lighting.globalVolume;
   const int resolution = renderer.settings.resolution.value_or(wanted.resolution);
   renderer.grid = globalGrid(wanted.bounds.value_or(scene.bounds), resolution);
@@ -146,9 +161,9 @@ Result<Done> fillRenderer(const Device& device, const RuntimeScene& scene, Frame
   renderer.transfer = renderer.apertures && hasTransfer(scene);
   renderer.manyObjects = scene.objects.size() > 1;
   Result<Done> done = take(skyEstimator(estimatorOf(scene.lighting, renderer.settings), resolution), renderer.estimator);
+  if (!renderer.settings.prefilter) renderer.estimator = unfiltered(std::move(renderer.estimator));
   const auto objects = static_cast<std::uint32_t>(scene.objects.size());
-  if (done && readsVolume(technique)) done = take(makeAssetStore(device, scene.assets), renderer.store);
-  if (done && readsVolume(technique)) done = take(makeCompositePass(device, renderer.grid, renderer.store, objects), renderer.composite);
+  if (done) done = makeVolume(device, scene, renderer, lender);
   if (done && technique == Technique::surfels)
     done = take(makeSurfelPass(device, scene, renderer.settings.technique.surfelNearness), renderer.surfels.emplace());
   if (done && technique == Technique::overcast)
@@ -304,12 +319,13 @@ Image imageOf(const GpuImage& image, std::vector<std::string> channels) {
 
 }  // namespace
 
-Result<FrameRenderer> makeFrameRenderer(const Device& device, const RuntimeScene& scene, const FrameSettings& settings) {
+Result<FrameRenderer> makeFrameRenderer(const Device& device, const RuntimeScene& scene, const FrameSettings& settings,
+                                        const FrameRenderer* lender) {
   const Result<Done> checked = checkSettings(settings);
   if (!checked) return checked.error();
   FrameRenderer renderer;
   renderer.settings = settings;
-  const Result<Done> filled = fillRenderer(device, scene, renderer);
+  const Result<Done> filled = fillRenderer(device, scene, renderer, lender);
   if (!filled) {
     destroyFrameRenderer(device, renderer);
     return filled.error();
@@ -325,7 +341,7 @@ void destroyFrameRenderer(const Device& device, FrameRenderer& renderer) {
   destroyGeometryPass(device, renderer.geometry);
   destroyBuffer(device, renderer.sky);
   destroyPyramidPass(device, renderer.pyramid);
-  destroyCompositePass(device, renderer.composite);
+  if (!renderer.borrows) destroyCompositePass(device, renderer.composite);
   if (renderer.surfels) destroySurfelPass(device, *renderer.surfels);
   destroyAssetStore(device, renderer.store);
   renderer = {};
@@ -361,8 +377,8 @@ void recordFrame(VkCommandBuffer commands, FrameRenderer& renderer, const Runtim
   FrameTargets& targets = renderer.targets;
   beginTimedFrame(commands, renderer.timer, 0);
   const Technique technique = renderer.settings.technique.technique;
-  const bool composited = readsVolume(technique) && timed(commands, renderer, FramePass::composite,
-                                                          [&] { return recordComposite(commands, renderer.composite, placed.occluders); });
+  const auto composite = [&] { return recordComposite(commands, renderer.composite, placed.occluders); };
+  const bool composited = readsVolume(technique) && (renderer.borrows || timed(commands, renderer, FramePass::composite, composite));
   if (composited && technique == Technique::overcast && !targets.aperture)
     timed(commands, renderer, FramePass::pyramid, [&] { recordPyramid(commands, renderer.pyramid); });
   const std::vector<GeometryDraw> draws = drawsOf(scene, nodes, levels);

@@ -40,6 +40,7 @@ struct FrameSettings {
   /// One of kEstimators; else the scene's. One that is no hybrid leaves out the scene's apertures, and with them sun and lamps.
   std::optional<std::string> estimator = {};
   double levelError = 1.0;  ///< pixels by which meshes with levels of detail may be off (runtime/terrain_levels.h)
+  bool prefilter = true;    ///< taps read the level of the pyramid that their estimator says; else all read the volume itself
 };
 
 /// The passes of a frame. With Technique::overcast they are indices into what renderFrame returns, which ends before `aperture` where the
@@ -63,6 +64,7 @@ struct FrameRenderer {
   bool apertures = false;    ///< the scene has some and the technique reads them
   bool transfer = false;     ///< and some meshes have transfer
   bool manyObjects = false;  ///< that can stand in each other's light
+  bool borrows = false;      ///< composite holds nothing but the volume, which is another renderer's
   GlobalGrid grid;
   AssetStore store;
   CompositePass composite;
@@ -78,8 +80,11 @@ struct FrameRenderer {
   VkFence done = VK_NULL_HANDLE;
 };
 
-/// The renderer of `scene`, which must outlive it. Errors: settings out of range, an estimator we do not have, no room on the device.
-Result<FrameRenderer> makeFrameRenderer(const Device& device, const RuntimeScene& scene, const FrameSettings& settings);
+/// The renderer of `scene`, which must outlive it. Errors: settings out of range, an estimator we do not have, no room on the device. With
+/// `lender`, a renderer of the same scene and resolution that composites and must outlive this one, it reads the lender's volume: before
+/// it renders a time the lender must have rendered that time; it composites nothing and filters its pyramid anew in every frame.
+Result<FrameRenderer> makeFrameRenderer(const Device& device, const RuntimeScene& scene, const FrameSettings& settings,
+                                        const FrameRenderer* lender = nullptr);
 void destroyFrameRenderer(const Device& device, FrameRenderer& renderer);
 
 /// Changes the size of the pictures; the device must be idle. After an Error the renderer can only be destroyed.

@@ -1,7 +1,7 @@
 #include "runtime/player/report_command.h"
 
+#include <algorithm>
 #include <filesystem>
-#include <set>
 #include <string>
 #include <vector>
 
@@ -26,6 +26,7 @@ struct Options {
   std::string device;
   std::string timedSize;
   MeasureSettings measure;
+  bool quick = false;
   Wish wish;
   bool quiet = false;
 };
@@ -36,7 +37,9 @@ int fail(const Error& error, ExitCode code) {
 }
 
 void addOptions(CLI::App& app, Options& options) {
-  app.add_option("SCENE", options.scenes, "baked scenes (.gltf)")->required();
+  app.add_option("SCENE", options.scenes,
+                 "baked scenes (.gltf); those of one file name are bakes of one scene, shown together, the first as its own")
+      ->required();
   app.add_option("-o,--output", options.output, "folder for report.html, report.csv, report.json and pictures")->required();
   app.add_option("--reference", options.reference,
                  "folder of overcast-bake reference, or of one such folder for each scene; told apart by what rays meet (default: the "
@@ -44,8 +47,14 @@ void addOptions(CLI::App& app, Options& options) {
   app.add_option("--device", options.device, "index or part of the name of the Vulkan device (default: the best GPU, else the CPU)");
   app.add_option("--timed-size", options.timedSize, "WIDTHxHEIGHT in pixels of the frames that are timed (default 640x360)");
   app.option_defaults()->multi_option_policy(CLI::MultiOptionPolicy::TakeLast);
-  app.add_option("--rounds", options.measure.rounds, "timed frames of each setting")->check(CLI::Range(1, 1000))->capture_default_str();
-  app.add_flag("--quick", options.measure.quick, "fewer settings");
+  app.add_option("--rounds", options.measure.timing.rounds, "timed frames of each setting, at most")
+      ->check(CLI::Range(1, 1000))
+      ->capture_default_str();
+  app.add_option("--seconds", options.measure.timing.seconds,
+                 "seconds on the device after which a setting is timed no more, from its third frame on")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  app.add_flag("--quick", options.quick, "fewer settings; the page says which are left out");
   auto* budget = app.add_option("--budget-ms", options.wish.budget,
                                 "write the setting of the least error whose frame takes at most so many milliseconds into each scene");
   app.add_option("--max-error", options.wish.maxError, "write the fastest setting whose RMSE is at most this into each scene")
@@ -59,27 +68,25 @@ void addOptions(CLI::App& app, Options& options) {
 
 /// What single options do not show.
 void checkTogether(Options& options) {
-  std::set<std::string> names;
-  for (const fs::path& scene : options.scenes)
-    if (!names.insert(scene.stem().string()).second)
-      throw CLI::ValidationError("SCENE", fmt::format("two scenes are called {}", scene.stem().string()));
+  if (options.quick) options.measure.size = SweepSize::quick;
   if (options.reference.empty()) options.reference = options.scenes.front().parent_path() / "reference";
   if (options.timedSize.empty()) return;
   const auto size = parseSize(options.timedSize);
   if (!size) throw CLI::ValidationError("--timed-size", size.error().reason);
-  std::tie(options.measure.timedWidth, options.measure.timedHeight) = size.value();
+  std::tie(options.measure.timing.width, options.measure.timing.height) = size.value();
 }
 
 /// Writes the wished settings into the scenes and says so; the exit code.
 int apply(const Options& options, const Report& report) {
   ExitCode code = ExitCode::ok;
-  for (std::size_t i = 0; i < report.scenes.size(); ++i) {
-    const ReportScene& scene = report.scenes[i];
-    const auto row = applyWish(scene, options.scenes[i], options.wish);
+  for (const ReportScene& scene : report.scenes) {
+    const auto file =
+        std::find_if(options.scenes.begin(), options.scenes.end(), [&](const fs::path& one) { return one.stem() == scene.name; });
+    const auto row = applyWish(scene, *file, options.wish);
     if (!row) return fail(row.error(), ExitCode::unwritable);
     if (row.value() == nullptr) {
       code = ExitCode::unmet;
-      fail({options.scenes[i].string(), "", "no setting that a scene can hold keeps to what was asked for; it stays as it was"}, code);
+      fail({file->string(), "", "no setting that a scene can hold keeps to what was asked for; it stays as it was"}, code);
       continue;
     }
     printResult(fmt::format("{}: {} (RMSE {:.4f}, {:.2f} ms){}\n", scene.name, row.value()->setting, row.value()->errors.rmse,

@@ -28,11 +28,12 @@ class Seen {
 
 }  // namespace
 
-Result<Candidate> makeCandidate(const Device& device, RuntimeScene& scene, const SweepSetting& setting, int width, int height) {
+Result<Candidate> makeCandidate(const Device& device, RuntimeScene& scene, const SweepSetting& setting, int width, int height,
+                                const FrameRenderer* lender) {
   const Lighting lighting = lightingWith(scene.lighting, setting);
   const Seen seen(scene, lighting, setting.apertures);
   const std::uint64_t before = device.allocatedBytes;
-  auto renderer = makeFrameRenderer(device, scene, frameSettings(setting, width, height));
+  auto renderer = makeFrameRenderer(device, scene, frameSettings(setting, width, height), lender);
   if (!renderer) return Error{renderer.error().file, setting.name, renderer.error().reason};
   return Candidate{setting, lighting, std::move(renderer).value(), device.allocatedBytes - before};
 }
@@ -44,7 +45,6 @@ void destroyCandidate(const Device& device, Candidate& candidate) {
 Result<std::vector<PassTime>> renderCandidate(const Device& device, Candidate& candidate, RuntimeScene& scene, double time,
                                               const View& view) {
   const Seen seen(scene, candidate.lighting, candidate.setting.apertures);
-  candidate.renderer.composite.fresh = true;
   return renderFrame(device, candidate.renderer, scene, time, view);
 }
 

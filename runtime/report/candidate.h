@@ -13,10 +13,12 @@ struct Candidate {
   std::uint64_t bytes = 0;  ///< device memory that the renderer took
 };
 
-Result<Candidate> makeCandidate(const Device& device, RuntimeScene& scene, const SweepSetting& setting, int width, int height);
+/// `lender` as makeFrameRenderer takes it; null: the candidate composites for itself where it reads the volume.
+Result<Candidate> makeCandidate(const Device& device, RuntimeScene& scene, const SweepSetting& setting, int width, int height,
+                                const FrameRenderer* lender = nullptr);
 void destroyCandidate(const Device& device, Candidate& candidate);
 
-/// One frame with the whole volume made anew, as if everything moved; the scene is as before afterwards.
+/// One frame, of which a candidate that borrows its volume composites nothing; the scene is as before afterwards.
 Result<std::vector<PassTime>> renderCandidate(const Device& device, Candidate& candidate, RuntimeScene& scene, double time,
                                               const View& view);
 

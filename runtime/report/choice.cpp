@@ -4,6 +4,8 @@
 #include <cmath>
 #include <tuple>
 
+#include "runtime/passes/shade/sky_estimator.h"
+#include "runtime/report/sweep.h"
 #include "runtime/technique.h"
 
 namespace overcast {
@@ -25,11 +27,15 @@ bool isOurs(const ReportRow& row) {
   return row.technique == nameOf(Technique::overcast);
 }
 
+bool isOfFurtherBake(const ReportRow& row) {
+  return !row.bake.empty();
+}
+
 /// Our row of the least error among those at most as slow as `theirs`, or null.
 const ReportRow* oursAsFastAs(const ReportScene& scene, const ReportRow& theirs, Cost cost) {
   const ReportRow* best = nullptr;
   for (const ReportRow& row : scene.rows) {
-    if (!isOurs(row) || costOf(row, cost) > costOf(theirs, cost)) continue;
+    if (!isOurs(row) || isOfFurtherBake(row) || costOf(row, cost) > costOf(theirs, cost)) continue;
     if (best == nullptr || row.errors.rmse < best->errors.rmse) best = &row;
   }
   return best;
@@ -73,6 +79,8 @@ ReportRow overallRow(const std::vector<const ReportRow*>& rows) {
   row.steps.clear();
   row.occluders.clear();
   row.storable = false;
+  row.errors.views.clear();
+  row.frame.rounds = row.still.rounds = 0;
   for (double ReportErrors::*error : {&ReportErrors::rmse, &ReportErrors::rmseCorrected, &ReportErrors::p95, &ReportErrors::p99})
     row.errors.*error = meansOf(rows, [&](const ReportRow& one) { return one.errors.*error; }).rms();
   for (double ReportErrors::*error : {&ReportErrors::bias, &ReportErrors::mae, &ReportErrors::ssim, &ReportErrors::flip})
@@ -120,27 +128,50 @@ const ReportRow* chooseRow(const ReportScene& scene, const Wish& wish) {
   return best;
 }
 
-bool dominates(const ReportScene& scene, const std::string& ours, const ReportRow& theirs, Cost cost) {
-  const ReportRow* row = rowNamed(scene, ours);
-  return row != nullptr && row->errors.rmse <= theirs.errors.rmse && costOf(*row, cost) <= costOf(theirs, cost);
-}
-
-std::vector<Loss> losses(const Report& report) {
+std::vector<Loss> losses(const ReportScene& scene, Cost cost) {
   std::vector<Loss> found;
-  for (const ReportScene& scene : report.scenes) {
-    for (const ReportRow& row : scene.rows) {
-      if (isOurs(row)) continue;
-      const ReportRow* ours = oursAsFastAs(scene, row, Cost::frame);
-      if (ours != nullptr && ours->errors.rmse <= row.errors.rmse) continue;
-      const ReportRow* still = oursAsFastAs(scene, row, Cost::still);
-      found.push_back({scene.name, row.setting, row.errors.rmse, row.frame.median, ours ? ours->setting : "",
-                       ours ? ours->errors.rmse : 0.0, still == nullptr || still->errors.rmse > row.errors.rmse});
-    }
+  for (const ReportRow& row : scene.rows) {
+    if (isOurs(row) || isOfFurtherBake(row)) continue;
+    const ReportRow* ours = oursAsFastAs(scene, row, cost);
+    if (ours != nullptr && ours->errors.rmse <= row.errors.rmse) continue;
+    found.push_back({row.setting, row.errors.rmse, costOf(row, cost), ours ? ours->setting : "", ours ? ours->errors.rmse : 0.0});
   }
   return found;
 }
 
-ReportScene overall(const Report& report) {
+bool leads(const ReportScene& scene, const ReportRow& row, Cost cost) {
+  return std::none_of(scene.rows.begin(), scene.rows.end(), [&](const ReportRow& other) {
+    return !isOurs(other) && !isOfFurtherBake(other) && costOf(other, cost) <= costOf(row, cost) && other.errors.rmse <= row.errors.rmse;
+  });
+}
+
+const ReportRow* plainRow(const ReportScene& scene, const std::string& estimator, int taps) {
+  const auto found = std::find_if(scene.rows.begin(), scene.rows.end(), [&](const ReportRow& row) {
+    return isOurs(row) && !isOfFurtherBake(row) && row.estimator == estimator && row.taps == taps && row.cones == 0 &&
+           row.resolution == 128 && row.apertureMode == (isHybrid(estimator) ? nameOf(ApertureMode::accurate) : "");
+  });
+  return found == scene.rows.end() ? nullptr : &*found;
+}
+
+Standing standingOf(const Report& report, Cost cost) {
+  Standing standing;
+  for (const ReportScene& scene : report.scenes) {
+    ++standing.scenes;
+    const std::vector<Loss> lost = losses(scene, cost);
+    const auto counts = [](const Loss& loss) { return loss.setting != nameOf(Technique::constant); };
+    if (std::none_of(lost.begin(), lost.end(), counts)) ++standing.matched;
+    const ReportRow* hybrid = plainRow(scene, "hybrid", 4);
+    if (hybrid != nullptr) ++standing.hybrids;
+    if (hybrid != nullptr && leads(scene, *hybrid, cost)) ++standing.leading;
+  }
+  return standing;
+}
+
+namespace {
+
+/// The settings that all scenes have, each made one row.
+template <class Merge>
+ReportScene merged(const Report& report, const Merge& merge) {
   ReportScene all;
   if (report.scenes.empty()) return all;
   all.name = "all scenes";
@@ -148,9 +179,40 @@ ReportScene overall(const Report& report) {
     std::vector<const ReportRow*> rows;
     for (const ReportScene& scene : report.scenes)
       if (const ReportRow* same = rowNamed(scene, row.setting)) rows.push_back(same);
-    if (rows.size() == report.scenes.size()) all.rows.push_back(overallRow(rows));
+    if (rows.size() == report.scenes.size()) all.rows.push_back(merge(rows));
   }
   return all;
+}
+
+/// RMSE of the best single grey: what is left of a constant's without its bias.
+double greyError(const ReportScene& scene) {
+  const ReportRow* constant = rowNamed(scene, nameOf(Technique::constant));
+  if (constant == nullptr) return 1.0;
+  const ReportErrors& e = constant->errors;
+  const double square = e.rmse * e.rmse - e.bias * e.bias;
+  return square > 0.0 ? std::sqrt(square) : 1.0;
+}
+
+}  // namespace
+
+ReportScene overall(const Report& report) {
+  return merged(report, overallRow);
+}
+
+ReportScene normalised(const Report& report) {
+  return merged(report, [&](const std::vector<const ReportRow*>& rows) {
+    ReportRow row = overallRow(rows);
+    Means errors, device, assets;
+    for (std::size_t i = 0; i < rows.size(); ++i) {
+      errors.add(rows[i]->errors.rmse / greyError(report.scenes[i]));
+      device.add(static_cast<double>(rows[i]->gpuBytes));
+      assets.add(static_cast<double>(rows[i]->assetBytes));
+    }
+    row.errors.rmse = errors.geometric();
+    row.gpuBytes = static_cast<std::uint64_t>(device.geometric());
+    row.assetBytes = static_cast<std::uint64_t>(assets.geometric());
+    return row;
+  });
 }
 
 }  // namespace overcast

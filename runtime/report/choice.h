@@ -36,21 +36,36 @@ const ReportRow* chooseRow(const ReportScene& scene, const Wish& wish);
 
 /// A setting of another technique with less error than everything of ours that is as fast.
 struct Loss {
-  std::string scene;
   std::string setting;
   double rmse = 0.0;
   double milliseconds = 0.0;
-  std::string ours;         ///< our setting of the least error that is as fast; empty: none is
-  double ourRmse = 0.0;     ///< of it
-  bool whileStill = false;  ///< also while nothing moves
+  std::string ours;      ///< our setting of the least error that is as fast; empty: none is
+  double ourRmse = 0.0;  ///< of it
 };
-std::vector<Loss> losses(const Report& report);
+/// Further bakes count nowhere here.
+std::vector<Loss> losses(const ReportScene& scene, Cost cost);
 
-/// Whether one of `ours` in the scene is at most as slow as `theirs` and has at most its error.
-bool dominates(const ReportScene& scene, const std::string& ours, const ReportRow& theirs, Cost cost);
+/// Whether `row` has less error than every other technique of equal or less cost.
+bool leads(const ReportScene& scene, const ReportRow& row, Cost cost);
+
+/// Our setting of an estimator with so many taps at 128^3, apertures in the best mode where it reads some; null when there is none.
+const ReportRow* plainRow(const ReportScene& scene, const std::string& estimator, int taps);
+
+/// In how many scenes we come out ahead.
+struct Standing {
+  int scenes = 0;
+  int matched = 0;  ///< no other technique but the constant has a Loss: one of ours is as good and as fast as each
+  int hybrids = 0;  ///< that have a hybrid at four taps
+  int leading = 0;  ///< of them, where it leads
+};
+Standing standingOf(const Report& report, Cost cost);
 
 /// The settings that all scenes have, over all scenes: RMSE and the other mean errors as the root of the mean of their squares or as means,
 /// times as geometric means, bytes as means. An empty name where the report has no scenes.
 ReportScene overall(const Report& report);
+
+/// The same settings with every scene weighing the same: RMSE as a share of what the best single grey would be off by in the scene, as far
+/// as its row `constant` tells (1 where there is none); geometric means of that, of times and of bytes.
+ReportScene normalised(const Report& report);
 
 }  // namespace overcast

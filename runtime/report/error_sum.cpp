@@ -36,6 +36,7 @@ Result<Done> addPicture(ErrorSum& sum, const Image& picture, const TruthPicture&
   const ErrorMetrics& e = error.value();
   const auto pixels = static_cast<double>(e.pixels);
   const double noise = standardError(truth.reference.image, truth.mask);
+  sum.worst.views.push_back(e.rmse);
   sum.pixels += pixels;
   sum.squares += pixels * e.rmse * e.rmse;
   sum.errors += pixels * e.bias;

@@ -8,7 +8,7 @@
 namespace overcast {
 
 struct ErrorSum {
-  ReportErrors worst;  ///< p95, p99 and max so far
+  ReportErrors worst;  ///< p95, p99, max and views so far
   double squares = 0.0;
   double errors = 0.0;
   double magnitudes = 0.0;

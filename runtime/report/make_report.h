@@ -11,7 +11,7 @@
 namespace overcast {
 
 struct ReportJob {
-  std::vector<std::filesystem::path> scenes;  ///< baked; file names differ
+  std::vector<std::filesystem::path> scenes;  ///< baked; those of one file name are bakes of one scene, the first of them the scene's own
   std::filesystem::path reference;            ///< folder of the references of all, or of a folder for each
   std::filesystem::path output;
   MeasureSettings measure;

@@ -1,75 +1,46 @@
 #include "runtime/report/measure_scene.h"
 
 #include <algorithm>
-#include <map>
 #include <set>
 
-#include "runtime/report/candidate.h"
+#include "runtime/report/as_printed.h"
+#include "runtime/report/bench.h"
+#include "runtime/report/error_split.h"
 #include "runtime/report/error_sum.h"
-#include "runtime/report/statistics.h"
 
 namespace overcast {
 namespace {
 
-constexpr int kFinest = 256;  // voxels of the volume that stands for the local occluders themselves
-
-/// All that is measured together; candidates are destroyed with it.
-struct Bench {
-  const Device& device;
-  RuntimeScene& scene;
-  SceneTruth truth;
+/// What is being measured into which scene.
+struct Measurement {
+  Bench& bench;
+  MeasuredScene& measured;
   const MeasureSettings& settings;
-  std::vector<Candidate> candidates;
-
-  ~Bench() {
-    for (Candidate& candidate : candidates) destroyCandidate(device, candidate);
-  }
+  std::vector<ReportRow> rows;     ///< in the order of the candidates
+  std::vector<ErrorSum> sums;      ///< likewise
+  std::vector<Image> last;         ///< pictures of the last reference
+  std::vector<Image> ofPublished;  ///< every picture of kPrinted
 };
 
-void say(const Bench& bench, const std::string& what) {
-  if (bench.settings.progress) bench.settings.progress(what);
-}
+constexpr const char* kPrinted = "published, 4 taps, 128^3";
 
-const Image& firstImage(const Bench& bench) {
-  return bench.truth.pictures[0].reference.image;
-}
-
-/// What `candidate` makes of a reference: channel sky.
-Result<Image> pictureOf(const Bench& bench, Candidate& candidate, const TruthPicture& truth) {
-  const ReferenceInfo& info = truth.reference.info;
-  const auto times = renderCandidate(bench.device, candidate, bench.scene, info.time, info.view);
-  if (!times) return times.error();
-  const auto linear = readLinear(bench.device, candidate.renderer);
-  if (!linear) return linear.error();
-  const Image& from = linear.value();
-  const auto sky = static_cast<std::size_t>(channelIndex(from, "sky"));
-  Image image{from.width, from.height, {"sky"}, {}};
-  for (std::size_t i = sky; i < from.pixels.size(); i += from.channels.size()) image.pixels.push_back(from.pixels[i]);
-  return image;
-}
-
-/// The picture of a setting that is not kept.
-Result<Image> pictureOnce(const Bench& bench, const SweepSetting& setting) {
-  auto candidate = makeCandidate(bench.device, bench.scene, setting, firstImage(bench).width, firstImage(bench).height);
-  if (!candidate) return candidate.error();
-  auto image = pictureOf(bench, candidate.value(), bench.truth.pictures[0]);
-  destroyCandidate(bench.device, candidate.value());
-  return image;
+void say(const Measurement& m, const std::string& what) {
+  if (m.settings.progress) m.settings.progress(fmt::format("{}: {}", m.measured.scene.name, what));
 }
 
 /// Narrows the masks to surfaces of the player, which a visibility of 0 everywhere shows: behind the scene it is 1.
-Result<Done> narrowMasks(Bench& bench, std::uint64_t& bytes) {
-  SweepSetting setting{.name = "surfaces", .technique = Technique::constant, .constant = 0.0f};
-  auto black = makeCandidate(bench.device, bench.scene, setting, firstImage(bench).width, firstImage(bench).height);
+Result<Done> narrowMasks(Bench& bench, SceneTruth& truth) {
+  const SweepSetting setting{.name = "surfaces", .technique = Technique::constant, .constant = 0.0f};
+  const Image& first = truth.pictures[0].reference.image;
+  auto black = makeCandidate(bench.device, bench.scene, setting, first.width, first.height);
   if (!black) return black.error();
-  bytes = black.value().bytes;
   Result<Done> done = Done{};
-  for (TruthPicture& truth : bench.truth.pictures) {
-    const auto image = pictureOf(bench, black.value(), truth);
+  for (TruthPicture& picture : truth.pictures) {
+    const auto image = pictureOf(bench, black.value(), picture);
     if (!image) done = image.error();
     if (!image) break;
-    for (std::size_t i = 0; i < truth.mask.size(); ++i)
-      if (image.value().pixels[i] > 0.5f) truth.mask[i] = 0;
+    for (std::size_t i = 0; i < picture.mask.size(); ++i)
+      if (image.value().pixels[i] > 0.5f) picture.mask[i] = 0;
   }
   destroyCandidate(bench.device, black.value());
   return done;
@@ -84,7 +55,129 @@ std::uint64_t assetBytes(const RuntimeScene& scene) {
   return bytes;
 }
 
-/// "16 bits, up to 64 samples" and the like.
+ReportRow rowOf(const Bench& bench, const Candidate& candidate) {
+  const SweepSetting& setting = candidate.setting;
+  ReportRow row;
+  row.setting = setting.name;
+  row.technique = nameOf(setting.technique);
+  row.estimator = setting.estimator;
+  row.resolution = setting.resolution;
+  row.taps = setting.taps;
+  row.cones = setting.cones;
+  if (setting.apertures) row.apertureMode = nameOf(setting.apertureMode);
+  row.storable = setting.storable;
+  row.occluders = occludersOf(bench.scene);
+  row.gpuBytes = deviceBytes(bench, candidate);
+  if (readsVolume(setting.technique)) row.assetBytes = assetBytes(bench.scene);
+  return row;
+}
+
+/// Renders and compares all references, one after the other, so that each volume is composited once for each.
+Result<Done> measureErrors(Measurement& m) {
+  Bench& bench = m.bench;
+  m.sums.resize(bench.candidates.size());
+  for (const TruthPicture& truth : bench.truth.pictures) {
+    say(m, fmt::format("{} settings in frame {}", bench.candidates.size(), truth.reference.info.frame));
+    if (const auto moved = moveFields(bench, truth); !moved) return moved;
+    const bool isLast = &truth == &bench.truth.pictures.back();
+    for (std::size_t i = 0; i < bench.candidates.size(); ++i) {
+      const std::string& name = bench.candidates[i].setting.name;
+      auto image = pictureOf(bench, bench.candidates[i], truth);
+      if (!image) return image.error();
+      if (const auto added = addPicture(m.sums[i], image.value(), truth); !added) return Error{"", name, added.error().reason};
+      if (name == kPrinted) m.ofPublished.push_back(image.value());
+      if (isLast) m.last.push_back(std::move(image).value());
+    }
+  }
+  for (std::size_t i = 0; i < bench.candidates.size(); ++i) {
+    m.rows.push_back(rowOf(bench, bench.candidates[i]));
+    m.rows.back().errors = errorsOf(m.sums[i]);
+  }
+  return Done{};
+}
+
+Result<Done> measureTimes(Measurement& m) {
+  say(m, "times");
+  auto times = timeCandidates(m.bench, m.bench.truth.pictures.back(), m.settings.timing);
+  if (!times) return times.error();
+  for (std::size_t i = 0; i < m.rows.size(); ++i) {
+    RoundTimes& round = times.value()[i];
+    m.rows[i].frame = round.frame;
+    m.rows[i].still = round.still;
+    m.rows[i].passes = std::move(round.passes);
+  }
+  return Done{};
+}
+
+/// Adds what the published estimator makes of the same taps as its paper prints it, in the same time.
+Result<Done> addAsPrinted(Measurement& m) {
+  const auto from = std::find_if(m.rows.begin(), m.rows.end(), [](const ReportRow& row) { return row.setting == kPrinted; });
+  if (from == m.rows.end()) return Done{};
+  const Estimator& estimator = m.bench.candidates[static_cast<std::size_t>(from - m.rows.begin())].lighting.estimator;
+  if (!(estimator.k > 0.0f)) return Done{};
+  std::vector<Image> missing;
+  std::vector<const Image*> references;
+  std::vector<const Mask*> masks;
+  for (std::size_t i = 0; i < m.ofPublished.size(); ++i) {
+    missing.push_back(missingShare(m.ofPublished[i], estimator.k, estimator.skyWeight));
+    references.push_back(&m.bench.truth.pictures[i].reference.image);
+    masks.push_back(&m.bench.truth.pictures[i].mask);
+  }
+  const double darkening = bestDarkening(missing, references, masks);
+  ErrorSum sum;
+  for (std::size_t i = 0; i < missing.size(); ++i) {
+    missing[i] = asPrinted(missing[i], darkening);
+    if (const auto added = addPicture(sum, missing[i], m.bench.truth.pictures[i]); !added) return added;
+  }
+  ReportRow row = *from;
+  row.setting = fmt::format("{}, {} taps, {}^3, best k", kAsPrinted, row.taps, row.resolution);
+  row.technique = kAsPrinted;
+  row.storable = false;
+  row.errors = errorsOf(sum);
+  row.steps.clear();
+  m.rows.push_back(std::move(row));
+  m.last.push_back(std::move(missing.back()));
+  return Done{};
+}
+
+Result<Done> measureAll(Measurement& m, const std::vector<SweepSetting>& settings) {
+  Result<Done> done = fillBench(m.bench, settings, {kFinestVolume});
+  if (done) done = measureErrors(m);
+  if (done) say(m, "where the error comes from");
+  if (done) done = splitErrors(m.bench, m.bench.truth.pictures.back(), m.last, m.rows);
+  if (done) done = measureTimes(m);
+  return done;
+}
+
+/// Hands rows and pictures over, named apart where they are of a further bake.
+void keep(Measurement& m, const std::string& bake) {
+  for (std::size_t i = 0; i < m.rows.size(); ++i) {
+    ReportRow& row = m.rows[i];
+    row.bake = bake;
+    if (!bake.empty()) {
+      row.setting += fmt::format(" [{}]", bake);
+      row.storable = false;
+    }
+    m.measured.pictures.push_back({row.setting, std::move(m.last[i])});
+    m.measured.scene.rows.push_back(std::move(row));
+  }
+}
+
+void describe(ReportScene& scene, const SceneTruth& truth) {
+  const TruthPicture& last = truth.pictures.back();
+  scene.hash = truth.pictures.front().reference.info.sceneHash;
+  scene.seed = last.reference.info.seed;
+  scene.pictures = static_cast<int>(truth.pictures.size());
+  scene.pixels = static_cast<std::uint64_t>(std::count(last.mask.begin(), last.mask.end(), 1));
+  scene.referenceError = standardError(last.reference.image, last.mask);
+  for (const TruthPicture& picture : truth.pictures) {
+    const ReferenceInfo& info = picture.reference.info;
+    scene.views.push_back({info.camera, info.frame, info.time});
+  }
+}
+
+}  // namespace
+
 std::string occludersOf(const RuntimeScene& scene) {
   int largest = 0;
   std::set<int> bits;
@@ -98,126 +191,50 @@ std::string occludersOf(const RuntimeScene& scene) {
   return fmt::format("{} bits, up to {} samples", text, largest);
 }
 
-ReportRow rowOf(const Bench& bench, const Candidate& candidate, std::uint64_t frameBytes) {
-  const SweepSetting& setting = candidate.setting;
-  ReportRow row;
-  row.setting = setting.name;
-  row.technique = nameOf(setting.technique);
-  row.estimator = setting.estimator;
-  row.resolution = setting.resolution;
-  row.taps = setting.taps;
-  if (setting.apertures) row.apertureMode = nameOf(setting.apertureMode);
-  row.storable = setting.storable;
-  row.occluders = occludersOf(bench.scene);
-  row.gpuBytes = candidate.bytes - std::min(candidate.bytes, frameBytes) + (setting.apertures ? bench.scene.apertures.bytes : 0);
-  if (readsVolume(setting.technique)) row.assetBytes = assetBytes(bench.scene);
-  return row;
-}
-
-/// Makes the candidate of `setting`, renders and compares all references, and keeps it for timing.
-Result<Done> measureErrors(Bench& bench, const SweepSetting& setting, std::uint64_t frameBytes, MeasuredScene& measured) {
-  auto made = makeCandidate(bench.device, bench.scene, setting, firstImage(bench).width, firstImage(bench).height);
-  if (!made) return made.error();
-  Candidate& candidate = bench.candidates.emplace_back(std::move(made).value());
-  ErrorSum sum;
-  for (const TruthPicture& truth : bench.truth.pictures) {
-    auto image = pictureOf(bench, candidate, truth);
-    if (!image) return image.error();
-    const auto added = addPicture(sum, image.value(), truth);
-    if (!added) return Error{"", setting.name, added.error().reason};
-    if (&truth == &bench.truth.pictures[0]) measured.pictures.push_back({setting.name, std::move(image).value()});
-  }
-  ReportRow row = rowOf(bench, candidate, frameBytes);
-  row.errors = errorsOf(sum);
-  measured.scene.rows.push_back(std::move(row));
-  return Done{};
-}
-
-/// Tells apart where the error of our estimators comes from, by pictures that make one approximation more each.
-Result<Done> splitErrors(const Bench& bench, MeasuredScene& measured) {
-  const std::vector<std::string> sky{"sky"};
-  const auto finest = pictureOnce(bench, raysSetting(kFinest));
-  if (!finest) return finest.error();
-  std::map<int, Image> rays;
-  for (std::size_t i = 0; i < measured.scene.rows.size(); ++i) {
-    ReportRow& row = measured.scene.rows[i];
-    if (row.technique != nameOf(Technique::overcast)) continue;
-    if (!rays.contains(row.resolution)) {
-      auto image = row.resolution == kFinest ? finest : pictureOnce(bench, raysSetting(row.resolution));
-      if (!image) return image.error();
-      rays.emplace(row.resolution, std::move(image).value());
-    }
-    const Image* const chain[] = {&firstImage(bench), &finest.value(), &rays.at(row.resolution), &measured.pictures[i].image};
-    const auto steps = splitError(chain, sky, bench.truth.pictures[0].mask);
-    if (!steps) return steps.error();
-    const char* const names[] = {"occluders, by rays at 256^3", "composite at fewer voxels", "filter and estimator"};
-    for (std::size_t s = 0; s < steps.value().size(); ++s) {
-      const ErrorStep& step = steps.value()[s];
-      row.steps.push_back({names[s], step.rms, step.bias, step.share});
-    }
-  }
-  return Done{};
-}
-
-/// Times all candidates, round by round.
-Result<Done> measureTimes(Bench& bench, MeasuredScene& measured) {
-  const MeasureSettings& settings = bench.settings;
-  const ReferenceInfo& info = bench.truth.pictures[0].reference.info;
-  for (Candidate& candidate : bench.candidates) {
-    const auto resized = resizeFrames(bench.device, candidate.renderer, settings.timedWidth, settings.timedHeight);
-    if (!resized) return resized;
-  }
-  std::vector<std::vector<std::vector<PassTime>>> times(bench.candidates.size());
-  for (int round = -1; round < settings.rounds; ++round) {
-    for (std::size_t step = 0; step < bench.candidates.size(); ++step) {
-      const std::size_t i = round % 2 == 0 ? step : bench.candidates.size() - 1 - step;
-      auto frame = renderCandidate(bench.device, bench.candidates[i], bench.scene, info.time, info.view);
-      if (!frame) return frame.error();
-      if (round >= 0) times[i].push_back(std::move(frame).value());
-    }
-  }
-  for (std::size_t i = 0; i < times.size(); ++i) {
-    RoundTimes round = timesOf(times[i]);
-    measured.scene.rows[i].frame = round.frame;
-    measured.scene.rows[i].still = round.still;
-    measured.scene.rows[i].passes = std::move(round.passes);
-  }
-  return Done{};
-}
-
-Result<Done> measureAll(Bench& bench, MeasuredScene& measured) {
-  std::uint64_t frameBytes = 0;
-  Result<Done> done = narrowMasks(bench, frameBytes);
-  const TruthPicture& first = bench.truth.pictures[0];
-  measured.scene.pixels = static_cast<std::uint64_t>(std::count(first.mask.begin(), first.mask.end(), 1));
-  measured.scene.referenceError = standardError(first.reference.image, first.mask);
-  const auto sweep = sweepSettings(bench.scene.lighting, hasApertures(bench.scene), bench.settings.quick);
-  for (const SweepSetting& setting : sweep) {
-    if (done) say(bench, fmt::format("{}: error of {}", measured.scene.name, setting.name));
-    if (done) done = measureErrors(bench, setting, frameBytes, measured);
-  }
-  if (done) say(bench, fmt::format("{}: where the error comes from", measured.scene.name));
-  if (done) done = splitErrors(bench, measured);
-  if (done) say(bench, fmt::format("{}: {} rounds of times", measured.scene.name, bench.settings.rounds));
-  return done ? measureTimes(bench, measured) : done;
-}
-
-}  // namespace
-
 Result<MeasuredScene> measureScene(const Device& device, RuntimeScene& scene, const std::string& name, SceneTruth truth,
                                    const MeasureSettings& settings) {
   OVERCAST_REQUIRE(!truth.pictures.empty(), "no reference of {}", name);
-  Bench bench{device, scene, std::move(truth), settings, {}};
-  const ReferenceInfo& info = bench.truth.pictures[0].reference.info;
   MeasuredScene measured;
   measured.scene.name = name;
-  measured.scene.hash = info.sceneHash;
-  measured.scene.seed = info.seed;
-  measured.scene.pictures = static_cast<int>(bench.truth.pictures.size());
-  const auto done = measureAll(bench, measured);
+  measured.truth = std::move(truth);
+  Bench bench{device, scene, measured.truth, 0, {}, {}};
+  Measurement m{bench, measured, settings, {}, {}, {}, {}};
+  Result<Done> done = narrowMasks(bench, measured.truth);
+  if (done) done = measureAll(m, sweepSettings(scene.lighting, hasApertures(scene), settings.size));
+  if (done) done = addAsPrinted(m);
+  destroyBench(bench);
   if (!done) return done.error();
-  measured.truth = std::move(bench.truth.pictures[0]);
+  describe(measured.scene, measured.truth);
+  keep(m, "");
   return measured;
+}
+
+Result<Done> measureVariant(const Device& device, RuntimeScene& scene, const std::string& bake, const MeasureSettings& settings,
+                            MeasuredScene& measured) {
+  Bench bench{device, scene, measured.truth, 0, {}, {}};
+  Measurement m{bench, measured, settings, {}, {}, {}, {}};
+  const auto done = measureAll(m, sweepSettings(scene.lighting, hasApertures(scene), SweepSize::variant));
+  destroyBench(bench);
+  if (done) keep(m, bake);
+  return done;
+}
+
+Result<std::vector<double>> timeAgain(const Device& device, RuntimeScene& scene, const MeasuredScene& measured,
+                                      const MeasureSettings& settings) {
+  Bench bench{device, scene, measured.truth, 0, {}, {}};
+  Result<Done> done = fillBench(bench, sweepSettings(scene.lighting, hasApertures(scene), settings.size), {});
+  std::vector<double> ratios;
+  if (done) {
+    const auto times = timeCandidates(bench, measured.truth.pictures.back(), settings.timing);
+    if (!times) done = times.error();
+    for (std::size_t i = 0; times && i < bench.candidates.size(); ++i) {
+      const ReportRow* row = rowNamed(measured.scene, bench.candidates[i].setting.name);
+      if (row != nullptr && row->still.median > 0.0) ratios.push_back(times.value()[i].still.median / row->still.median);
+    }
+  }
+  destroyBench(bench);
+  if (!done) return done.error();
+  return ratios;
 }
 
 }  // namespace overcast

@@ -73,21 +73,21 @@ std::vector<std::size_t> shownRows(const ReportScene& scene) {
 }
 
 Result<std::vector<PagePicture>> writePictures(const std::filesystem::path& folder, const MeasuredScene& measured) {
-  const Image& truth = measured.truth.reference.image;
-  const Mask& mask = measured.truth.mask;
+  const Image& truth = measured.truth.pictures.back().reference.image;
+  const Mask& mask = measured.truth.pictures.back().mask;
   const auto file = [&](const std::string& what) { return folder / fmt::format("{}_{}.png", measured.scene.name, what); };
   const auto reference = written(file("reference"), skyPicture(truth, mask));
   if (!reference) return reference.error();
-  std::vector<PagePicture> pictures{{"reference: rays", reference.value(), ""}};
-  for (const std::size_t row : shownRows(measured.scene)) {
+  std::vector<PagePicture> pictures{{reference.value()}};
+  const std::vector<std::size_t> shown = shownRows(measured.scene);
+  for (std::size_t row = 0; row < measured.pictures.size(); ++row) {
     const Image& image = measured.pictures[row].image;
     const auto picture = written(file(fmt::format("{}", row)), skyPicture(image, mask));
     if (!picture) return picture.error();
-    const auto difference = written(file(fmt::format("{}_difference", row)), differencePicture(image, truth, mask));
+    pictures.push_back({picture.value()});
+    if (std::find(shown.begin(), shown.end(), row) == shown.end()) continue;
+    const auto difference = writePng(file(fmt::format("{}_difference", row)), differencePicture(image, truth, mask));
     if (!difference) return difference.error();
-    const ReportRow& shown = measured.scene.rows[row];
-    pictures.push_back({fmt::format("{}: RMSE {:.4f}, {:.2f} ms", shown.setting, shown.errors.rmse, shown.frame.median), picture.value(),
-                        difference.value()});
   }
   return pictures;
 }

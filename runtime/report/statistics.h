@@ -19,12 +19,20 @@ double percentile(std::vector<double> values, double share);
 /// between runs by more than within one.
 ReportTime timeOf(const std::vector<double>& milliseconds);
 
-/// What one setting took: `rounds` holds one list per timed frame, all of the same passes. Skipped passes count nothing.
+/// Of two things that happen one after the other; their noise is independent.
+ReportTime sumOf(const ReportTime& a, const ReportTime& b);
+
+/// What one setting took: `rounds` holds one list per timed frame, all of the same passes; skipped passes count nothing. `composites` are
+/// the times of a composite that the frames did without; none: they need none.
 struct RoundTimes {
-  ReportTime frame;                ///< all passes
+  ReportTime frame;                ///< sum of `still` and the passes that rest
   ReportTime still;                ///< all but composite and pyramid, which rest while nothing moves
-  std::vector<ReportPass> passes;  ///< those that ran in every round, in order
+  std::vector<ReportPass> passes;  ///< the composite, then those that ran in every round, in order
 };
-RoundTimes timesOf(const std::vector<std::vector<PassTime>>& rounds);
+RoundTimes timesOf(const std::vector<std::vector<PassTime>>& rounds, const std::vector<double>& composites = {});
+
+/// Sets the report's drift from the ratios that times had to what they were when they were taken again, and adds it to the noise of all its
+/// times.
+void addDrift(Report& report, const std::vector<double>& ratios);
 
 }  // namespace overcast

@@ -10,48 +10,86 @@
 namespace overcast {
 namespace {
 
-/// Resolutions, taps and aperture modes of an estimator in a report. A row here is all that another takes.
+/// A setting of ours in a report. A row here is all that another takes.
 struct SweepRow {
   const char* estimator;
   int resolution;
   int taps;
-  bool apertures;  ///< needs them; the others are for scenes with and without
-  ApertureMode apertureMode;
-  bool quick;  ///< also in a quick report
+  int cones = 0;                      ///< as SweepSetting::cones
+  bool apertures = false;             ///< needs them; the others are for scenes with and without
+  SweepSize least = SweepSize::full;  ///< the smallest sweep that takes it
+  ApertureMode apertureMode = ApertureMode::accurate;
 };
 
 constexpr ApertureMode kBest = ApertureMode::accurate;
+constexpr SweepSize kVariant = SweepSize::variant, kQuick = SweepSize::quick, kFull = SweepSize::full;
+constexpr bool kWithApertures = true;
+
 constexpr std::array kSweep{
-    SweepRow{"published", 128, 4, false, kBest, true},
-    SweepRow{"published", 128, 5, false, kBest, false},
-    SweepRow{"published", 128, 6, false, kBest, false},
-    SweepRow{"published", 32, 5, false, kBest, false},
-    SweepRow{"published", 64, 5, false, kBest, false},
-    SweepRow{"published", 256, 5, false, kBest, false},
-    SweepRow{"calibrated", 128, 4, false, kBest, true},
-    SweepRow{"calibrated", 128, 5, false, kBest, false},
-    SweepRow{"calibrated", 128, 6, false, kBest, false},
-    SweepRow{"calibrated", 32, 4, false, kBest, false},
-    SweepRow{"calibrated", 64, 4, false, kBest, false},
-    SweepRow{"calibrated", 256, 4, false, kBest, false},
-    SweepRow{"cones", 64, 5, false, kBest, true},
-    SweepRow{"cones", 128, 5, false, kBest, false},
-    SweepRow{"traced", 128, 1, false, kBest, true},
-    SweepRow{"hybrid", 64, 4, true, kBest, true},
-    SweepRow{"hybrid", 128, 4, true, kBest, true},
-    SweepRow{"hybrid", 128, 4, true, ApertureMode::smoothstep, false},
-    SweepRow{"hybrid", 128, 4, true, ApertureMode::fast, false},
+    SweepRow{"published", 64, 5, 0, false, kQuick},
+    SweepRow{"published", 128, 4, 0, false, kQuick},
+    SweepRow{"published", 128, 5, 0, false, kQuick},
+    SweepRow{"published", 256, 5, 0, false, kQuick},
+    SweepRow{"published", 32, 5},
+    SweepRow{"published", 96, 5},
+    SweepRow{"published", 128, 6},
+    SweepRow{"published", 192, 5},
+    SweepRow{"calibrated", 64, 4, 0, false, kQuick},
+    SweepRow{"calibrated", 128, 4, 0, false, kVariant},
+    SweepRow{"calibrated", 128, 6, 0, false, kQuick},
+    SweepRow{"calibrated", 256, 4, 0, false, kQuick},
+    SweepRow{"calibrated", 32, 4},
+    SweepRow{"calibrated", 96, 4},
+    SweepRow{"calibrated", 128, 5},
+    SweepRow{"calibrated", 192, 4},
+    SweepRow{"cones", 64, 5, 0, false, kQuick},
+    SweepRow{"cones", 128, 4},
+    SweepRow{"cones", 128, 5, 0, false, kQuick},
+    SweepRow{"cones", 128, 5, 4},
+    SweepRow{"cones", 128, 5, 13},
+    SweepRow{"cones", 128, 8, 13},
+    SweepRow{"cones", 256, 5},
+    SweepRow{"traced", 64, 1, 0, false, kVariant},
+    SweepRow{"traced", 128, 1, 16, false, kQuick},
+    SweepRow{"traced", 128, 1, 0, false, kVariant},
+    SweepRow{"traced", 256, 1, 0, false, kQuick},
+    SweepRow{"traced", 32, 1},
+    SweepRow{"traced", 96, 1},
+    SweepRow{"traced", 128, 1, 32},
+    SweepRow{"traced", 192, 1},
+    SweepRow{"hybrid", 64, 4, 0, kWithApertures, kQuick},
+    SweepRow{"hybrid", 128, 4, 0, kWithApertures, kVariant},
+    SweepRow{"hybrid", 256, 4, 0, kWithApertures, kQuick},
+    SweepRow{"hybrid", 32, 4, 0, kWithApertures},
+    SweepRow{"hybrid", 96, 4, 0, kWithApertures},
+    SweepRow{"hybrid", 128, 5, 0, kWithApertures},
+    SweepRow{"hybrid", 128, 6, 0, kWithApertures},
+    SweepRow{"hybrid", 192, 4, 0, kWithApertures},
+    SweepRow{"hybrid", 128, 4, 0, kWithApertures, kFull, ApertureMode::smoothstep},
+    SweepRow{"hybrid", 128, 4, 0, kWithApertures, kFull, ApertureMode::fast},
 };
 
-constexpr int kResolution = 128;  // of techniques that read the volume and are not ours
+/// The others; kTechniques has those without a volume.
+struct OtherRow {
+  Technique technique;
+  int resolution = 0;  ///< 0: reads no volume
+  SweepSize least = SweepSize::full;
+};
+constexpr std::array kOthers{
+    OtherRow{Technique::constant, 0, kQuick},      OtherRow{Technique::gtao, 0, kQuick},  OtherRow{Technique::coneTracing, 64},
+    OtherRow{Technique::coneTracing, 128, kQuick}, OtherRow{Technique::coneTracing, 256}, OtherRow{Technique::rays16, 64, kQuick},
+    OtherRow{Technique::rays16, 128, kQuick},      OtherRow{Technique::rays16, 256},      OtherRow{Technique::rays64, 64},
+    OtherRow{Technique::rays64, 128, kVariant},    OtherRow{Technique::rays64, 256},      OtherRow{Technique::surfels, 0, kQuick},
+};
 
 std::string nameOf(const SweepSetting& setting) {
   if (setting.technique != Technique::overcast)
     return setting.resolution > 0 ? fmt::format("{}, {}^3", overcast::nameOf(setting.technique), setting.resolution)
                                   : overcast::nameOf(setting.technique);
-  std::string name = setting.estimator == "traced"  // which steps where the field lets it
-                         ? fmt::format("traced, {}^3", setting.resolution)
-                         : fmt::format("{}, {} taps, {}^3", setting.estimator, setting.taps, setting.resolution);
+  std::string name = setting.estimator;
+  if (setting.cones > 0) name += fmt::format(", {} cones", setting.cones);
+  if (setting.estimator != "traced") name += fmt::format(", {} taps", setting.taps);  // which steps where the field lets it
+  name += fmt::format(", {}^3", setting.resolution);
   if (setting.apertures)
     name += setting.apertureMode == kBest ? ", apertures" : fmt::format(", apertures {}", nameOf(setting.apertureMode));
   return name;
@@ -79,27 +117,37 @@ const char* nameOf(ApertureMode mode) {
   return "accurate";
 }
 
-std::vector<SweepSetting> sweepSettings(const Lighting& own, bool apertures, bool quick) {
+std::vector<SweepSetting> sweepSettings(const Lighting& own, bool apertures, SweepSize size) {
   std::vector<SweepSetting> settings;
   const Estimator& estimator = own.estimator;
   add(settings, {.estimator = estimator.name,
                  .taps = estimator.taps,
+                 .cones = estimator.cones ? estimator.cones->directions : 0,
                  .resolution = own.globalVolume.resolution,
                  .apertures = apertures,
                  .storable = true});
   for (const SweepRow& row : kSweep) {
-    if ((row.apertures && !apertures) || (quick && !row.quick)) continue;
+    if ((row.apertures && !apertures) || row.least > size) continue;
     add(settings, {.estimator = row.estimator,
                    .taps = row.taps,
+                   .cones = row.cones,
                    .resolution = row.resolution,
                    .apertures = row.apertures,
                    .apertureMode = row.apertureMode,
                    .storable = row.apertures == apertures && row.apertureMode == kBest});
   }
-  for (const NamedTechnique& named : kTechniques)
-    if (named.technique != Technique::overcast)
-      add(settings, {.technique = named.technique, .resolution = readsVolume(named.technique) ? kResolution : 0});
+  for (const OtherRow& row : kOthers)
+    if (row.least <= size) add(settings, {.technique = row.technique, .resolution = row.resolution});
   return settings;
+}
+
+std::string leftOutOf(SweepSize size) {
+  if (size == SweepSize::full) return "";
+  std::vector<SweepSetting> all = sweepSettings({}, true, SweepSize::full), taken = sweepSettings({}, true, size);
+  return fmt::format(
+      "{} of {} settings: volumes of 32, 96 and 192 voxels, most numbers of taps and cones, aperture modes other than "
+      "accurate, other techniques at resolutions other than 128",
+      all.size() - taken.size(), all.size());
 }
 
 Lighting lightingWith(const Lighting& own, const SweepSetting& setting) {
@@ -111,6 +159,10 @@ Lighting lightingWith(const Lighting& own, const SweepSetting& setting) {
     lighting.estimator.name = setting.estimator;
   }
   lighting.estimator = withTaps(std::move(lighting.estimator), setting.taps);
+  if (setting.cones > 0) {
+    if (!lighting.estimator.cones) lighting.estimator.cones.emplace();
+    lighting.estimator.cones->directions = setting.cones;
+  }
   return lighting;
 }
 
@@ -119,6 +171,7 @@ FrameSettings frameSettings(const SweepSetting& setting, int width, int height) 
   settings.width = width;
   settings.height = height;
   settings.apertureMode = setting.apertureMode;
+  settings.prefilter = setting.prefilter;
   settings.technique.technique = setting.technique;
   settings.technique.constant = setting.constant;
   if (setting.resolution > 0) settings.resolution = setting.resolution;

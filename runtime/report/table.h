@@ -4,6 +4,7 @@
 #include <string>
 
 #include "formats/report.h"
+#include "runtime/report/choice.h"
 
 namespace overcast {
 
@@ -12,5 +13,9 @@ std::string summaryMarkdown(const Report& report);
 
 /// One line for each row of each scene under a line of names (RFC 4180); an absent figure is an empty field.
 std::string reportCsv(const Report& report);
+
+/// A loss in words, and in how many scenes we come out ahead, in one sentence.
+std::string lossText(const Loss& loss);
+std::string standingText(const Report& report, Cost cost);
 
 }  // namespace overcast

@@ -24,11 +24,15 @@ class ReportCommand : public PlayerFixture {
 TEST_F(ReportCommand, MeasuresWritesChoosesAndCompares) {
   const std::string plain = quoted(std::string(OVERCAST_SOURCE_FOLDER) + "/data/scenes/sphere_on_plane.gltf");
   ASSERT_EQ(bake(plain + " -o baked --resolution 24 --quiet").exitCode, 0);
-  ASSERT_EQ(bake("reference baked/sphere_on_plane.gltf -o baked/reference --size 64x36 --samples 256 --quantities sky --frames 0:1 --quiet")
-                .exitCode,
-            0);
+  ASSERT_EQ(bake(plain + " -o coarse --resolution 12 --bits 8 --quiet").exitCode, 0);
+  for (const char* frames : {"0:1", "30:31"})
+    ASSERT_EQ(bake(fmt::format("reference baked/sphere_on_plane.gltf -o baked/reference --size 64x36 --samples 256 --quantities sky "
+                               "--frames {} --quiet",
+                               frames))
+                  .exitCode,
+              0);
   const std::string options = " --quick --rounds 2 --timed-size 64x36 --quiet";
-  const ShellResult first = play("report baked/sphere_on_plane.gltf -o one" + options);
+  const ShellResult first = play("report baked/sphere_on_plane.gltf coarse/sphere_on_plane.gltf -o one" + options);
   ASSERT_EQ(first.exitCode, 0) << first.output;
   EXPECT_THAT(first.output, HasSubstr("| setting | RMSE |"));
   EXPECT_THAT(first.output, HasSubstr("| rays64, 128^3 |"));
@@ -46,9 +50,24 @@ TEST_F(ReportCommand, MeasuresWritesChoosesAndCompares) {
   EXPECT_GT(rays->gpuBytes, 128u * 128 * 2) << "a volume";
   EXPECT_EQ(constant->assetBytes, 0u);
   EXPECT_GE(constant->errors.flicker, 0.0) << "two frames";
-  double shares = 0.0;
-  for (const ReportStep& step : scene.rows.front().steps) shares += step.share;
-  EXPECT_NEAR(shares, 1.0, 1e-6);
+  EXPECT_EQ(constant->errors.views.size(), 4u) << "at rest and moved";
+  EXPECT_EQ(scene.views.at(2).frame, 30);
+  for (const ReportRow& row : scene.rows) {
+    double shares = 0.0;
+    for (const ReportStep& step : row.steps) shares += step.share;
+    if (!row.steps.empty()) {
+      EXPECT_NEAR(shares, 1.0, 1e-6) << row.setting;
+    }
+  }
+  EXPECT_NE(rowNamed(scene, "published, 4 taps, 128^3")->steps.at(3).rms, 0.0) << "reads the pyramid";
+  EXPECT_EQ(rowNamed(scene, "traced, 128^3")->steps.at(3).rms, 0.0) << "does not";
+  const ReportRow* coarse = rowNamed(scene, "rays64, 128^3 [8 bits, up to 12 samples]");
+  ASSERT_NE(coarse, nullptr) << "the other bake";
+  EXPECT_GT(coarse->errors.rmse, rays->errors.rmse);
+  EXPECT_FALSE(coarse->storable);
+  const ReportRow* printed = rowNamed(scene, "as printed, 4 taps, 128^3, best k");
+  ASSERT_NE(printed, nullptr);
+  EXPECT_LT(printed->errors.rmse, constant->errors.rmse);
 
   // The same errors and bytes again, and a setting chosen and written.
   const double most = scene.rows.front().errors.rmse * 3.0;
@@ -57,7 +76,7 @@ TEST_F(ReportCommand, MeasuresWritesChoosesAndCompares) {
   EXPECT_THAT(second.output, HasSubstr("\nsphere_on_plane: "));
   const auto again = readReport(folder / "two/report.json").value();
   for (const ReportRow& row : again.scenes.at(0).rows) {
-    const ReportRow* was = rowNamed(scene, row.setting);
+    const ReportRow* was = rowNamed(scene, row.setting);  // the other bake is left out
     ASSERT_NE(was, nullptr);
     EXPECT_EQ(row.errors.rmse, was->errors.rmse) << row.setting;
     EXPECT_EQ(row.errors.flicker, was->errors.flicker) << row.setting;
@@ -85,10 +104,10 @@ TEST_F(ReportCommand, RefusesWhatMakesNoSense) {
   };
   refused("report -o out", 2, "SCENE");
   refused("report a.gltf", 2, "--output");
-  refused("report a.gltf b/a.gltf -o out", 2, "two scenes are called a");
   refused("report a.gltf -o out --budget-ms 3 --max-error 0.1", 2, "--budget-ms");
   refused("report a.gltf -o out --timed-size 3", 2, "--timed-size");
   refused("report a.gltf -o out", 3, "a.gltf");
+  refused("report a.gltf -o out --seconds 0", 2, "--seconds");
   refused("report a.gltf -o /dev/null/out", 4, "/dev/null");
   refused("compare a.json", 2, "AFTER");
   refused("compare a.json b.json", 3, "a.json");

@@ -20,26 +20,28 @@ using test::TemporaryFolder;
 using testing::HasSubstr;
 
 Report smallReport() {
-  Report report{"a device", "CPU", "driver 1", "1.3", 240, 135, 640, 360, 7, {}};
+  Report report{"a device", "CPU", "driver 1", "1.3", 240, 135, 640, 360, 7, 0.03, "much", {}};
   ReportRow row;
   row.setting = "published, 5 taps, 128^3, apertures";
   row.technique = "overcast";
   row.estimator = "published";
   row.resolution = 128;
   row.taps = 5;
+  row.cones = 7;
+  row.bake = "8 bits";
   row.apertureMode = "accurate";
   row.occluders = "16 bits, up to 64 samples";
   row.storable = true;
-  row.errors = {0.1, 0.09, -0.05, 0.07, 0.2, 0.3, 0.4, 0.9, 0.12, 0.01};
-  row.frame = {3.0, 3.5, 0.5};
-  row.still = {1.0, 1.25, 0.25};
-  row.passes = {{"composite", {2.0, 2.25, 0.5}}};
+  row.errors = {0.1, 0.09, -0.05, 0.07, 0.2, 0.3, 0.4, 0.9, 0.12, 0.01, {0.08, 0.12}};
+  row.frame = {3.0, 3.5, 0.5, 6};
+  row.still = {1.0, 1.25, 0.25, 7};
+  row.passes = {{"composite", {2.0, 2.25, 0.5, 6}}};
   row.gpuBytes = std::uint64_t{1} << 40;
   row.assetBytes = 12345;
   row.steps = {{"filter and estimator", 0.1, -0.05, 1.25}};
   ReportRow bare;
   bare.setting = bare.technique = "constant";
-  report.scenes.push_back({"clutter", "abc", 2, 1000, 0.002, 7, {row, bare}});
+  report.scenes.push_back({"clutter", "abc", 2, 1000, 0.002, 7, {{"view0", 0, 0.0}, {"view0", 30, 1.0}}, {row, bare}});
   return report;
 }
 
@@ -55,6 +57,9 @@ TEST(Report, IsReadBackAsItWas) {
   EXPECT_EQ(row->gpuBytes, std::uint64_t{1} << 40);
   EXPECT_EQ(row->errors.flicker, 0.01);
   EXPECT_EQ(row->still.noise, 0.25);
+  EXPECT_EQ(row->frame.rounds, 6);
+  EXPECT_EQ(row->errors.views.at(1), 0.12);
+  EXPECT_EQ(row->bake, "8 bits");
   EXPECT_EQ(row->steps.at(0).share, 1.25);
   EXPECT_TRUE(row->storable);
   const ReportRow* constant = rowNamed(read.value().scenes.at(0), "constant");
@@ -80,6 +85,8 @@ TEST(Report, NamesTheFieldAtFault) {
   EXPECT_THAT(errorOf("/version", 2), HasSubstr("newer"));
   EXPECT_THAT(errorOf("/scenes/0/rows/0/errors/rmse", -1), HasSubstr("x/scenes/0/rows/0/errors/rmse"));
   EXPECT_THAT(errorOf("/scenes/0/rows/0/frame/noise", "much"), HasSubstr("frame/noise: is not a number"));
+  EXPECT_THAT(errorOf("/scenes/0/rows/0/errors/views", Json::array({0.1})), HasSubstr("errors/views: is not an array of 2"));
+  EXPECT_THAT(errorOf("/scenes/0/views/1/frame", -1), HasSubstr("views/1/frame"));
   EXPECT_THAT(errorOf("/scenes/0/rows/1/setting", "published, 5 taps, 128^3, apertures"), HasSubstr("twice"));
   EXPECT_FALSE(parseReport("[1, 2", "x").ok());
 }

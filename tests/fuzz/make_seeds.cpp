@@ -1,5 +1,5 @@
-// overcast-make-seeds CORPUS: small valid files of binary and fixed-column formats into CORPUS/<fuzzer>. Without them a fuzzer spends its
-// time before magic numbers, checksums and compressed blocks.
+// overcast-make-seeds CORPUS: small valid files of binary, fixed-column and large JSON formats into CORPUS/<fuzzer>. Without them a fuzzer
+// spends its time before magic numbers, checksums and compressed blocks.
 #include <algorithm>
 #include <cstdio>
 #include <filesystem>
@@ -13,6 +13,7 @@
 #include "formats/aperture_map.h"
 #include "formats/image.h"
 #include "formats/image_mipmaps.h"
+#include "formats/report.h"
 #include "formats/volume.h"
 
 namespace {
@@ -125,6 +126,30 @@ bool writeTerrains(const fs::path& folder) {
          writeText(folder / "blocks.dem", smallUsgs());
 }
 
+/// One with every field, and one with as few as there may be.
+bool writeReports(const fs::path& folder) {
+  Report report{"a device", "CPU", "driver 1", "1.3", 64, 36, 640, 360, 7, 0.03, "much", {}};
+  ReportRow row;
+  row.setting = "hybrid, 4 taps, 128^3";
+  row.technique = "overcast";
+  row.estimator = "hybrid";
+  row.resolution = 128;
+  row.taps = row.cones = 4;
+  row.apertureMode = "accurate";
+  row.occluders = row.bake = "8 bits, up to 32 samples";
+  row.storable = true;
+  row.errors = {0.1, 0.09, -0.05, 0.07, 0.2, 0.3, 0.4, 0.9, 0.12, 0.01, {0.1, 0.2}};
+  row.frame = row.still = {3.0, 3.5, 0.5, 6};
+  row.passes = {{"composite", {2.0, 2.25, 0.5, 6}}};
+  row.gpuBytes = std::uint64_t{1} << 40;
+  row.steps = {{"estimator", 0.1, -0.05, 1.25}};
+  report.scenes.push_back({"clutter", "abc", 2, 1000, 0.002, 7, {{"view0", 0, 0.0}, {"view0", 30, 1.0}}, {row}});
+  std::error_code code;
+  fs::create_directories(folder, code);
+  return writeText(folder / "full.json", reportJson(report)) &&
+         writeText(folder / "bare.json", reportJson({"a device", "", "", "", 1, 1, 1, 1, 1, 0.0, "", {}}));
+}
+
 }  // namespace
 
 int main(int count, char** arguments) {
@@ -134,7 +159,7 @@ int main(int count, char** arguments) {
   }
   const fs::path corpus = arguments[1];
   return writeVolumes(corpus / "vdb") && writeExrs(corpus / "exr") && writePngs(corpus / "png") &&
-                 writeApertureMaps(corpus / "aperture_map") && writeTerrains(corpus / "terrain")
+                 writeApertureMaps(corpus / "aperture_map") && writeTerrains(corpus / "terrain") && writeReports(corpus / "report")
              ? 0
              : 1;
 }

@@ -47,6 +47,40 @@ TEST_F(Frames, SkipCompositeAndPyramidWhileNothingMoves) {
   EXPECT_EQ(skipped(render(2.2)), still) << "the animation loops: the same pose again";
 }
 
+TEST_F(Frames, MakeTheSameOfABorrowedVolume) {
+  open(writeBakedScene(temporaryFolder(), {.animated = true}), settings);
+  FrameSettings one = settings;
+  one.width = one.height = 1;
+  FrameRenderer lender = makeFrameRenderer(device, scene, one).value();
+  FrameRenderer borrower = makeFrameRenderer(device, scene, settings, &lender).value();
+  for (const double time : {0.0, 0.3, 0.0}) {
+    render(time);
+    ASSERT_TRUE(renderFrame(device, lender, scene, time, viewAt(time)).ok());
+    const auto passes = renderFrame(device, borrower, scene, time, viewAt(time));
+    ASSERT_TRUE(passes.ok());
+    EXPECT_TRUE(passes.value()[static_cast<std::size_t>(FramePass::composite)].skipped);
+    EXPECT_FALSE(passes.value()[static_cast<std::size_t>(FramePass::pyramid)].skipped);
+    EXPECT_EQ(readLinear(device, borrower).value().pixels, linear().pixels) << time;
+  }
+  destroyFrameRenderer(device, borrower);
+  ASSERT_TRUE(renderFrame(device, lender, scene, 0.3, viewAt(0.3)).ok()) << "the volume is still the lender's";
+  destroyFrameRenderer(device, lender);
+}
+
+TEST_F(Frames, ReadTheVolumeItselfWithoutAPrefilter) {
+  const fs::path file = writeBakedScene(temporaryFolder());
+  open(file, settings);
+  EXPECT_GT(renderer.estimator.levels, 1);
+  render(0.0);
+  const Image filtered = linear();
+  close();
+  settings.prefilter = false;
+  open(file, settings);
+  EXPECT_EQ(renderer.estimator.levels, 1);
+  render(0.0);
+  EXPECT_NE(linear().pixels, filtered.pixels);
+}
+
 TEST_F(Frames, DarkenTheFloorUnderTheSphere) {
   open(writeBakedScene(temporaryFolder(), {.animated = true}), settings);
   const View view = lookAt({-0.7, 2.2, 4.0}, {-0.7, 0.2, 0.0}, {0, 1, 0}, 0.6);

@@ -115,6 +115,12 @@ Result<SkyEstimator> skyEstimator(const Estimator& estimator, int resolution) {
   return made;
 }
 
+SkyEstimator unfiltered(SkyEstimator estimator) {
+  for (SkyTap& tap : estimator.taps) tap.level = 0;
+  estimator.levels = 1;
+  return estimator;
+}
+
 Estimator withTaps(Estimator estimator, int taps) {
   if (taps != estimator.taps) estimator.weights.clear();
   estimator.taps = taps;

@@ -31,6 +31,9 @@ struct SkyEstimator {
 /// weight for each tap.
 Result<SkyEstimator> skyEstimator(const Estimator& estimator, int resolution);
 
+/// The same with all taps at level 0: what it would make of a pyramid that filters nothing.
+SkyEstimator unfiltered(SkyEstimator estimator);
+
 /// `taps` in place of the estimator's own: weights that were fitted to another number of taps give way to the program's.
 Estimator withTaps(Estimator estimator, int taps);
 
