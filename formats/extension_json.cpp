@@ -149,14 +149,29 @@ void readCones(Fields fields, SkyCones& cones) {
   fields.number("power", cones.power, 1e-3, kMostOfEstimator);
 }
 
+void readSteps(Fields& fields, Estimator& estimator) {
+  const std::size_t count = fields.arraySize("steps");
+  if (count == 0 || count > kMostSkySteps) return fields.fail("steps", fmt::format("are not 1 to {}", kMostSkySteps));
+  for (std::size_t i = 0; i < count; ++i) {
+    Fields field = fields.element("steps", i);
+    SkyStep& step = estimator.steps.emplace_back();
+    field.numbers("weights", step.weights, static_cast<std::size_t>(estimator.taps), 0.0, kMostOfEstimator);
+    field.number("start", step.start, -kMostOfEstimator, kMostOfEstimator);
+    field.number("facing", step.facing, -kMostOfEstimator, kMostOfEstimator);
+    field.number("height", step.height, 0.0, kMostOfEstimator);
+  }
+}
+
 void readEstimator(Fields fields, Estimator& estimator) {
   fields.text("name", estimator.name, false);
   fields.integer("taps", estimator.taps, 1, 8);
   fields.number("k", estimator.k, 0.0, kLargestFloat);
   fields.number("skyWeight", estimator.skyWeight, 0.0, 1.0);
   if (fields.has("weights")) fields.numbers("weights", estimator.weights, static_cast<std::size_t>(estimator.taps), 0.0, kMostOfEstimator);
+  if (fields.has("steps")) readSteps(fields, estimator);
   if (fields.has("cones")) readCones(fields.child("cones"), estimator.cones.emplace());
   if (fields.has("fitError")) fields.number("fitError", estimator.fitError, 0.0, kLargestNumber);
+  if (fields.has("heldOutError")) fields.number("heldOutError", estimator.heldOutError, 0.0, kLargestNumber);
 }
 
 void readLighting(Fields& fields, Lighting& lighting) {
@@ -249,12 +264,21 @@ std::string lightingJson(const Lighting& lighting) {
   json["estimator"] = {
       {"name", estimator.name}, {"taps", estimator.taps}, {"k", shortest(estimator.k)}, {"skyWeight", shortest(estimator.skyWeight)}};
   for (const float weight : estimator.weights) json["estimator"]["weights"].push_back(shortest(weight));
+  for (const SkyStep& step : estimator.steps) {
+    Json weights = Json::array();
+    for (const float weight : step.weights) weights.push_back(shortest(weight));
+    json["estimator"]["steps"].push_back({{"weights", std::move(weights)},
+                                          {"start", shortest(step.start)},
+                                          {"facing", shortest(step.facing)},
+                                          {"height", shortest(step.height)}});
+  }
   if (const std::optional<SkyCones>& cones = estimator.cones)
     json["estimator"]["cones"] = {{"directions", cones->directions},
                                   {"spread", shortest(cones->spread)},
                                   {"bias", shortest(cones->bias)},
                                   {"power", shortest(cones->power)}};
   if (estimator.fitError >= 0.0) json["estimator"]["fitError"] = estimator.fitError;
+  if (estimator.heldOutError >= 0.0) json["estimator"]["heldOutError"] = estimator.heldOutError;
   json["exposure"] = shortest(lighting.exposure);
   return dumpJson(json);
 }

@@ -34,6 +34,15 @@ struct SkyCones {
   float power = 0.7f;   ///< above 0: of their mean
 };
 
+/// A soft step in the exponent of `calibrated` (runtime/passes/shade/shade.h): what single weights cannot say.
+struct SkyStep {
+  std::vector<float> weights;  ///< of the taps, at least 0, as many as there are
+  float start = 0.0f;          ///< where open ground lies on it
+  float facing = 0.0f;         ///< how far along it 1 - N.U leads
+  float height = 0.0f;         ///< half of what it adds from end to end, at least 0
+};
+inline constexpr std::size_t kMostSkySteps = 8;
+
 /// Constants of a sky estimator (DESIGN 5.4). They mean the same at any resolution of the global volume and at any scale of the scene.
 struct Estimator {
   std::string name = "published";  ///< one of kEstimators (runtime/passes/shade/sky_estimator.h)
@@ -43,8 +52,10 @@ struct Estimator {
   /// Of the taps in the exponent of `calibrated`, at least 0, `taps` of them, the nearest first; empty: the program's own,
   /// fitted to generated scenes for 4 to 6 taps.
   std::vector<float> weights;
+  std::vector<SkyStep> steps;     ///< up to kMostSkySteps beside the weights; none where there are no weights
   std::optional<SkyCones> cones;  ///< none: the program's own; 64 directions for `traced`
   double fitError = -1.0;         ///< RMSE against the reference they were fitted to; negative: not fitted
+  double heldOutError = -1.0;     ///< RMSE on frames and objects that were left out of the fit (cross validation); negative: not known
 };
 
 /// The one distance volume that all objects are composited into.

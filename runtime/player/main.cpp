@@ -7,6 +7,7 @@
 #include <string_view>
 
 #include "formats/console.h"
+#include "runtime/player/calibrate_command.h"
 #include "runtime/player/cost_command.h"
 #include "runtime/player/headless.h"
 #include "runtime/player/measure_command.h"
@@ -100,6 +101,10 @@ int runCommand(int argc, char** argv) {
   if (argc > 1 && std::string_view(argv[1]) == "cost") {
     keepDriverOffFullDisk();
     return costCommand(argc - 1, argv + 1);
+  }
+  if (argc > 1 && std::string_view(argv[1]) == "calibrate") {
+    keepDriverOffFullDisk();
+    return calibrateCommand(argc - 1, argv + 1);
   }
   if (argc > 1 && std::string_view(argv[1]) == "report") {
     keepDriverOffFullDisk();

@@ -73,6 +73,7 @@ constexpr const char* kFooter =
     "Exit codes: 0 done, 1 internal error (or validation messages), 2 usage, 3 unreadable scene, 4 cannot write, 5 no usable device.\n"
     "Without --camera the scene's own camera is taken, or one that shows the whole scene.\n"
     "overcast-player cost measures what occluders take in the composite of a device: see overcast-player cost --help.\n"
+    "overcast-player calibrate fits a scene's estimator to its reference: see overcast-player calibrate --help.\n"
     "overcast-player measure compares pictures with references: see overcast-player measure --help.\n"
     "overcast-player report measures every setting on scenes, overcast-player compare two reports: see their --help.\n"
     "Without --headless a window opens: left mouse button turns, right pans, wheel zooms, space pauses, F12 saves a picture.";

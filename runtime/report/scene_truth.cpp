@@ -19,26 +19,48 @@ std::vector<fs::path> foldersIn(const fs::path& folder) {
   return folders;
 }
 
-/// The .json of all views of `scene`.
-Result<std::vector<fs::path>> viewsOf(const Scene& scene, const fs::path& folder) {
-  std::vector<fs::path> views;
+/// The .json of all references of `scene` that `wanted` keeps.
+template <class Wanted>
+Result<std::vector<fs::path>> filesOf(const Scene& scene, const fs::path& folder, const Wanted& wanted) {
+  std::vector<fs::path> found;
   for (const fs::path& inner : foldersIn(folder)) {
     const auto files = listReferences(inner);
     if (!files) return files.error();
     for (const fs::path& file : files.value()) {
       const auto info = readReferenceInfo(file);
       if (!info) return info.error();
-      if (info.value().kind == ReferenceKind::view && info.value().sceneHash == tracedHash(scene, info.value().time)) views.push_back(file);
+      if (wanted(info.value()) && info.value().sceneHash == tracedHash(scene, info.value().time)) found.push_back(file);
     }
   }
-  return views;
+  return found;
+}
+
+/// An Error when there is none, so that a mistyped folder is told.
+template <class Wanted>
+Result<std::vector<fs::path>> filesOf(const fs::path& scene, const fs::path& folder, const Wanted& wanted) {
+  const auto read = readScene(scene);
+  if (!read) return read.error();
+  std::error_code code;
+  const auto missing = Error{folder.string(), "",
+                             fmt::format("has no reference of {}: trace it by overcast-bake reference {} -o {}", scene.filename().string(),
+                                         scene.string(), folder.string())};
+  if (!fs::is_directory(folder, code)) return missing;
+  auto found = filesOf(read.value(), folder, wanted);
+  if (found && found.value().empty()) return missing;
+  return found;
+}
+
+Result<Reference> readWithSky(const fs::path& file) {
+  auto reference = readReference(file);
+  if (reference && channelIndex(reference.value().image, "sky") < 0)
+    return Error{file.string(), "", "has no sky visibility: trace the quantity sky"};
+  return reference;
 }
 
 Result<Done> addPicture(const fs::path& file, SceneTruth& truth) {
-  auto reference = readReference(file);
+  auto reference = readWithSky(file);
   if (!reference) return reference.error();
   const Image& image = reference.value().image;
-  if (channelIndex(image, "sky") < 0) return Error{file.string(), "", "has no sky visibility: trace the quantity sky"};
   if (!truth.pictures.empty()) {
     const Image& first = truth.pictures[0].reference.image;
     if (image.width != first.width || image.height != first.height)
@@ -54,23 +76,27 @@ Result<Done> addPicture(const fs::path& file, SceneTruth& truth) {
 }  // namespace
 
 Result<SceneTruth> readTruth(const fs::path& folder, const fs::path& scene) {
-  const auto read = readScene(scene);
-  if (!read) return read.error();
-  std::error_code code;
-  const auto missing = Error{folder.string(), "",
-                             fmt::format("has no reference of {}: trace it by overcast-bake reference {} -o {}", scene.filename().string(),
-                                         scene.string(), folder.string())};
-  if (!fs::is_directory(folder, code)) return missing;
-  const auto views = viewsOf(read.value(), folder);
+  const auto views = filesOf(scene, folder, [](const ReferenceInfo& info) { return info.kind == ReferenceKind::view; });
   if (!views) return views.error();
   SceneTruth truth;
   for (const fs::path& file : views.value())
     if (const auto added = addPicture(file, truth); !added) return added.error();
-  if (truth.pictures.empty()) return missing;
   std::stable_sort(truth.pictures.begin(), truth.pictures.end(), [](const TruthPicture& a, const TruthPicture& b) {
     return std::tie(a.reference.info.camera, a.reference.info.frame) < std::tie(b.reference.info.camera, b.reference.info.frame);
   });
   return truth;
+}
+
+Result<std::vector<Reference>> readReferences(const fs::path& folder, const fs::path& scene) {
+  const auto files = filesOf(scene, folder, [](const ReferenceInfo&) { return true; });
+  if (!files) return files.error();
+  std::vector<Reference> references;
+  for (const fs::path& file : files.value()) {
+    auto reference = readWithSky(file);
+    if (!reference) return reference.error();
+    references.push_back(std::move(reference).value());
+  }
+  return references;
 }
 
 double standardError(const Image& reference, const Mask& mask) {

@@ -22,6 +22,9 @@ struct SceneTruth {
 /// none, and the file that is broken, has no sky, or is of another size than the first.
 Result<SceneTruth> readTruth(const std::filesystem::path& folder, const std::filesystem::path& scene);
 
+/// The views and the points likewise, of any size, by folder and name; not empty.
+Result<std::vector<Reference>> readReferences(const std::filesystem::path& folder, const std::filesystem::path& scene);
+
 /// RMS of the standard error of `sky` where `mask` is not 0; 0 where the reference does not say.
 double standardError(const Image& reference, const Mask& mask);
 

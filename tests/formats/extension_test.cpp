@@ -95,7 +95,13 @@ TEST(Extension, ReadsBackBitForBit) {
     RC_ASSERT(again.estimator.name == made.estimator.name && again.estimator.taps == made.estimator.taps);
     RC_ASSERT(again.estimator.k == made.estimator.k && again.estimator.skyWeight == made.estimator.skyWeight);
     RC_ASSERT(again.estimator.fitError == made.estimator.fitError);
+    RC_ASSERT(again.estimator.heldOutError == made.estimator.heldOutError);
     RC_ASSERT(again.estimator.weights == made.estimator.weights);
+    RC_ASSERT(again.estimator.steps.size() == made.estimator.steps.size());
+    for (std::size_t i = 0; i < made.estimator.steps.size(); ++i) {
+      const SkyStep &is = again.estimator.steps[i], &was = made.estimator.steps[i];
+      RC_ASSERT(is.weights == was.weights && is.start == was.start && is.facing == was.facing && is.height == was.height);
+    }
     RC_ASSERT(again.estimator.cones.has_value() == made.estimator.cones.has_value());
     if (made.estimator.cones) {
       RC_ASSERT(again.estimator.cones->directions == made.estimator.cones->directions);
@@ -172,7 +178,10 @@ TEST(Extension, TheParserRefusesWhatTheSchemaRefusesAndNamesTheField) {
   lighting.globalVolume.bounds = Box{glm::dvec3(-1), glm::dvec3(1)};
   lighting.areaLights = {AreaLight{}};
   lighting.areaLights[0].node = 2;
-  lighting.estimator.fitError = 0.25;
+  lighting.estimator.fitError = lighting.estimator.heldOutError = 0.25;
+  lighting.estimator.taps = 3;
+  lighting.estimator.weights = {0.5f, 0.0f, 1.0f};
+  lighting.estimator.steps = {{{0.25f, 1.0f, 0.0f}, -1.0f, 0.5f, 2.0f}};
   expectAgreement(schema("OVERCAST_lighting"), parsed(lightingJson(lighting)), parseLighting);
   // Among these are occluders of all representations.
   for (std::uint64_t seed = 0; seed < 12; ++seed)

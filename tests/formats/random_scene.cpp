@@ -186,9 +186,19 @@ Lighting lighting(Dice& dice) {
   if (dice.chance(0.5)) made.globalVolume.bounds = dice.box();
   made.globalVolume.resolution = 8 * dice.integer(4, 32);
   Estimator& estimator = made.estimator;
-  estimator = {"published", dice.integer(1, 8), dice.single(0, 1), dice.single(0, 1), {}, {}, dice.chance(0.5) ? -1.0 : dice.real(0, 1)};
-  if (dice.chance(0.5))
-    for (int tap = 0; tap < estimator.taps; ++tap) estimator.weights.push_back(dice.single(0, 3));
+  estimator.taps = dice.integer(1, 8);
+  estimator.k = dice.single(0, 1);
+  estimator.skyWeight = dice.single(0, 1);
+  if (dice.chance(0.5)) estimator.fitError = dice.real(0, 1);
+  if (dice.chance(0.5)) estimator.heldOutError = dice.real(0, 1);
+  const auto weights = [&] {
+    std::vector<float> drawn(static_cast<std::size_t>(estimator.taps));
+    for (float& weight : drawn) weight = dice.single(0, 3);
+    return drawn;
+  };
+  if (dice.chance(0.7)) estimator.weights = weights();
+  for (int i = estimator.weights.empty() ? 0 : dice.integer(0, static_cast<int>(kMostSkySteps)); i > 0; --i)
+    estimator.steps.push_back({weights(), dice.single(-3, 3), dice.single(-1, 1), dice.single(0, 2)});
   if (dice.chance(0.5)) estimator.cones = SkyCones{dice.integer(1, 16), dice.single(0.01f, 2), dice.single(0, 1), dice.single(0.1f, 2)};
   made.exposure = dice.single(0.1, 4);
   return made;

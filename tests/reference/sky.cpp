@@ -36,12 +36,19 @@ double publishedSky(const std::vector<Field>& levels, const glm::dvec3& point, c
 }
 
 double calibratedSky(const std::vector<Field>& levels, const glm::dvec3& point, const glm::dvec3& normal, const glm::dvec3& up,
-                     const std::vector<Tap>& taps, double alpha) {
+                     const std::vector<Tap>& taps, double alpha, const std::vector<Step>& steps) {
   double e = 0.0;
-  for (const Tap& tap : taps) {
+  std::vector<double> z;
+  for (const Step& step : steps) z.push_back(step.start + step.facing * alpha * (1.0 - glm::dot(normal, up)));
+  for (std::size_t i = 0; i < taps.size(); ++i) {
+    const Tap& tap = taps[i];
     const double phi = continuedField(levels, tap.level, point + tap.distance * normal + tap.distance * alpha * up);
-    e += tap.weight * ((1.0 + alpha) * tap.distance - phi) / tap.distance;
+    const double missing = ((1.0 + alpha) * tap.distance - phi) / tap.distance;
+    e += tap.weight * missing;
+    for (std::size_t s = 0; s < steps.size(); ++s) z[s] += steps[s].weights[i] * missing;
   }
+  for (std::size_t s = 0; s < steps.size(); ++s)
+    e += steps[s].height * (z[s] / (1.0 + std::abs(z[s])) - steps[s].start / (1.0 + std::abs(steps[s].start)));
   return e <= 0.0 ? 1.0 : std::exp(-e * e / (e + 1.0 / 16.0));
 }
 

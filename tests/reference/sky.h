@@ -21,9 +21,15 @@ struct Tap {
   int level = 0;
 };
 
-/// exp(-e^2 / (e + 1/16)), e = sum of weight ((1 + alpha) d - phi) / d where that is positive, else 1.
+struct Step {
+  std::vector<double> weights;  ///< of the taps
+  double start = 0.0, facing = 0.0, height = 0.0;
+};
+
+/// exp(-e^2 / (e + 1/16)) where e is positive, else 1: e = sum of weight g over the taps, g = ((1 + alpha) d - phi) / d, and for each step
+/// height (z / (1 + |z|) - start / (1 + |start|)), z = start + sum of weight g + facing alpha (1 - normal.up).
 double calibratedSky(const std::vector<Field>& levels, const glm::dvec3& point, const glm::dvec3& normal, const glm::dvec3& up,
-                     const std::vector<Tap>& taps, double alpha);
+                     const std::vector<Tap>& taps, double alpha, const std::vector<Step>& steps = {});
 
 /// Mean over `axes` of the least clamp(phi / (d spread) + bias, 0, 1), to a power; `cone`: spread, bias, power.
 double conesSky(const std::vector<Field>& levels, const glm::dvec3& point, const std::vector<glm::dvec3>& axes,

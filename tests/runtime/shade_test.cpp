@@ -4,15 +4,18 @@
 #include <cmath>
 #include <functional>
 #include <limits>
+#include <random>
 #include <string>
 
 #include <gtest/gtest.h>
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
 
+#include "runtime/calibrate/sky_readings.h"
 #include "tests/reference/sky.h"
 #include "tests/runtime/ground.h"
 #include "tests/runtime/scenes.h"
+#include "tests/runtime/sky_steps.h"
 #include "tests/runtime/support.h"
 
 namespace overcast {
@@ -106,6 +109,47 @@ TEST(SkyEstimators, UnknownNamesAndWeightsAreRefused) {
   EXPECT_EQ(skyEstimator(calibrated, 128).value().taps[1].weight, 2.0f);
 }
 
+TEST(SkyEstimators, StepsGoWithWeights) {
+  Estimator calibrated = named("calibrated");
+  calibrated.taps = 2;
+  calibrated.weights = {1.0f, 2.0f};
+  calibrated.steps = {{{0.5f, 0.25f}, -1.0f, 0.5f, 2.0f}};
+  EXPECT_EQ(skyEstimator(calibrated, 128).value().steps.size(), 1u);
+  EXPECT_TRUE(withTaps(calibrated, 4).steps.empty()) << "fitted to other taps";
+  calibrated.steps[0].weights.push_back(1.0f);
+  EXPECT_FALSE(skyEstimator(calibrated, 128).ok()) << "one weight too many";
+  calibrated.steps.assign(kMostSkySteps + 1, {{0.5f, 0.25f}});
+  EXPECT_FALSE(skyEstimator(calibrated, 128).ok()) << "one step too many";
+  calibrated.weights.clear();
+  EXPECT_FALSE(skyEstimator(calibrated, 128).ok()) << "steps alone";
+}
+
+TEST(SkyEstimators, OwnConstantsAreMonotoneAndOpenGroundIsOpen) {
+  std::mt19937 random(1);
+  std::uniform_real_distribution<float> chance(0.0f, 1.0f);
+  for (const int taps : {4, 5, 6}) {
+    Estimator estimator = named("calibrated");
+    estimator.taps = taps;
+    const SkyEstimator made = skyEstimator(estimator, 128).value();
+    ASSERT_EQ(made.taps.size(), static_cast<std::size_t>(taps));
+    const auto sky = [&](const std::vector<float>& missing, const glm::vec3& normal) {
+      std::vector<float> phi;
+      for (std::size_t i = 0; i < missing.size(); ++i) phi.push_back(made.taps[i].distance * (1.0f + made.skyWeight - missing[i]));
+      return visibilityOf(made, glm::vec3(kUp), normal, phi);
+    };
+    EXPECT_EQ(sky(std::vector<float>(made.taps.size(), 0.0f), glm::vec3(kUp)), 1.0f);
+    for (int n = 0; n < 500; ++n) {
+      std::vector<float> missing;
+      for (std::size_t i = 0; i < made.taps.size(); ++i) missing.push_back(2.0f * chance(random) - 0.25f);
+      const glm::vec3 normal = glm::normalize(glm::vec3(chance(random) - 0.5f, chance(random) - 0.5f, chance(random) - 0.5f));
+      const float before = sky(missing, normal);
+      EXPECT_TRUE(before >= 0.0f && before <= 1.0f);
+      missing[static_cast<std::size_t>(n) % missing.size()] += chance(random);
+      EXPECT_LE(sky(missing, normal), before) << taps;
+    }
+  }
+}
+
 TEST(SkyEstimators, ConesStandForEqualSharesOfTheCosine) {
   for (const int count : {1, 4, 7, 16, 64}) {
     Estimator cones = named("cones");
@@ -173,7 +217,7 @@ TEST_F(Shade, OpenSurfacesHaveTheirClosedForm) {
 double referenceSky(const std::string& name, const std::vector<Field>& levels, const glm::dvec3& point, const SkyEstimator& made) {
   std::vector<reference::Tap> taps;
   for (const shared::SkyTap& tap : made.taps) taps.push_back({tap.distance, tap.weight, tap.level});
-  if (name == "calibrated") return reference::calibratedSky(levels, point, kUp, kUp, taps, made.skyWeight);
+  if (name == "calibrated") return reference::calibratedSky(levels, point, kUp, kUp, taps, made.skyWeight, test::stepsOf(made));
   if (name == "published") return reference::publishedSky(levels, point, kUp, kUp, Estimator{}.k, Estimator{}.skyWeight);
   std::vector<glm::dvec3> axes;
   for (const glm::vec3& axis : made.directions) axes.emplace_back(axis.x, axis.z, axis.y);  // about +y, side x and front z
@@ -230,6 +274,12 @@ TEST_F(Shade, AgreesWithBruteForceInDouble) {
   for (const std::string name : {"published", "calibrated", "cones"}) {
     Setting setting;
     setting.estimator = named(name.c_str());
+    if (name == "calibrated") {
+      setting.estimator.taps = 6;  // more than one vector's
+      setting.estimator.weights = {0.2f, 0.0f, 0.3f, 0.1f, 0.2f, 0.1f};
+      setting.estimator.steps = {{{0.5f, 0.0f, 0.25f, 0.0f, 0.5f, 0.25f}, -0.5f, 1.0f, 0.5f},
+                                 {{0.0f, 1.0f, 0.0f, 1.0f, 0.0f, 2.0f}, -2.0f, -0.5f, 1.0f}};
+    }
     const SkyEstimator made = skyEstimator(setting.estimator, kSide).value();
     for (const Field& field : scenes) {
       const std::vector<Pixel> pixels = shade(field, groundOnly, setting);

@@ -10,9 +10,11 @@
 //  * Round tops read more than open ground, because blurring a convex distance raises it: e < 0. A clamp there draws a line across them,
 //    so e eases into it, see easedExponent. An open wall, e = k alpha, gets its true half of the sky for the default k = 1.5, alpha = 0.5.
 //
-// `calibrated`: C = exp(-sum w_i g_i) with g_i = f_i / d_i + alpha, which is 0 over open ground: a weight for each tap, and taps further
-// apart, each reading the level whose blur is proportional to its distance. Blurred far taps tell how much stands around, which is what
-// sharp ones do not.
+// `calibrated`: C = exp(-e) with g_i = f_i / d_i + alpha, which is 0 over open ground, of taps further apart, and
+//   e = sum w_i g_i + sum_j h_j (s(z_j) - s(b_j)),   z_j = b_j + sum w_ji g_i + c_j alpha (1 - N.U),   s(z) = z / (1 + |z|):
+// soft steps h_j, each across a plane through the taps, because what a far tap misses counts for more where the near ones miss something
+// too; one that faces down sees less than its taps tell. Weights and heights are not negative, so a surface is never brighter for a tap
+// that misses more, and C is in [0, 1]; open ground is exactly 1 with any of them.
 // `cones`: C = (mean over cones of min_i clamp(phi(P + d_i c) / (d_i s) + b, 0, 1))^q, all taps of level 0.
 // `traced`: the mean over cones of how much of each is free, each as wide as its share of the cosine: unlike so many rays they need no
 // noise and no filter. Sphere tracing (Hart 1996) through level 0 to the border of the volume; of a cone that a surface grazes the share on
@@ -33,6 +35,7 @@ OVERCAST_SHARED_BEGIN
 
 const int kMaxTaps = 8;
 const int kMaxCones = 64;
+const int kMaxSteps = 8;
 
 /// One tap of the estimator, in voxels of the global volume.
 struct SkyTap {
@@ -42,11 +45,19 @@ struct SkyTap {
   int padding;     // 12
 };
 
+/// A soft step of `calibrated`.
+struct SkyStep {
+  vec4 nearWeights;  //  0: w_j1 to w_j4
+  vec4 farWeights;   // 16: w_j5 to w_j8
+  vec4 shape;        // 32: x: b_j, y: c_j, z: h_j
+};
+
 /// What does not change from frame to frame.
 struct SkyConstants {
-  vec4 cone;                   //   0: x: spread, y: bias, z: power
-  SkyTap taps[kMaxTaps];       //  16
-  vec4 directions[kMaxCones];  // 144: xyz: unit axes of the cones in the frame about the normal, which is its z
+  vec4 cone;                   //    0: x: spread, y: bias, z: power
+  SkyTap taps[kMaxTaps];       //   16
+  vec4 directions[kMaxCones];  //  144: xyz: unit axes of the cones in the frame about the normal, which is its z
+  SkyStep steps[kMaxSteps];    // 1168
 };
 
 struct ShadePush {
@@ -63,6 +74,22 @@ OVERCAST_INLINE float tapDistance(int tap) {
 /// What a tap misses of what open ground has, as a share of d: f / d + alpha. 0 over open ground, 1 + alpha where it is shut.
 OVERCAST_INLINE float tapMissing(float phi, float d, float alpha) {
   return 1.0f + alpha - phi / d;
+}
+
+/// s(z), in (-1, 1).
+OVERCAST_INLINE float softStep(float z) {
+  return z / (1.0f + abs(z));
+}
+
+/// alpha (1 - N.U) of a skewed normal N'.
+OVERCAST_INLINE float turnedAway(vec3 skewed, vec4 skew) {
+  return skew.w + skew.w * skew.w - dot(skewed, vec3(skew));
+}
+
+/// What a step adds to the exponent where the taps miss `missing`, the first four and the others.
+OVERCAST_INLINE float stepExponent(SkyStep step, vec4 nearMissing, vec4 farMissing, float turned) {
+  float z = step.shape.x + dot(step.nearWeights, nearMissing) + dot(step.farWeights, farMissing) + step.shape.y * turned;
+  return step.shape.z * (softStep(z) - softStep(step.shape.x));
 }
 
 /// How open a cone is at a tap.
@@ -107,7 +134,7 @@ OVERCAST_INLINE float easedExponent(float exponent) {
   return e * e / (e + 0.0625f);
 }
 
-/// Sky visibility in [0, 1] from the exponent w_0 + sum w_i f_i.
+/// Sky visibility in [0, 1] from the exponent e.
 OVERCAST_INLINE float skyVisibility(float exponent) {
   return exp(-easedExponent(exponent));
 }

@@ -12,6 +12,7 @@ using shared::SkyConstants;
 
 static_assert(sizeof(shared::SkyTap) == 16 && offsetof(shared::SkyTap, level) == 8);
 static_assert(offsetof(SkyConstants, taps) == 16 && offsetof(SkyConstants, directions) == 144);
+static_assert(sizeof(shared::SkyStep) == 48 && offsetof(SkyConstants, steps) == 1168);
 static_assert(sizeof(shared::ShadePush) == 96 && offsetof(shared::ShadePush, skew) == 64 && offsetof(shared::ShadePush, sky) == 80);
 
 namespace {
@@ -21,6 +22,7 @@ constexpr std::uint32_t kConstantsBinding = kFirstScreenBinding + shared::kMaxPy
 Shader shaderOf(const SkyEstimator& estimator, bool sky) {
   Shader shader{"runtime/passes/shade/shade.comp.glsl", {{"OVERCAST_TAPS", fmt::format("{}", estimator.taps.size())}}};
   if (!estimator.directions.empty()) shader.defines.push_back({"OVERCAST_CONES", fmt::format("{}", estimator.directions.size())});
+  if (!estimator.steps.empty()) shader.defines.push_back({"OVERCAST_STEPS", fmt::format("{}", estimator.steps.size())});
   if (estimator.traced) shader.defines.push_back({"OVERCAST_TRACED", "1"});
   if (sky) shader.defines.push_back({"OVERCAST_SKY", "1"});
   return shader;
@@ -39,6 +41,7 @@ SkyConstants constantsOf(const SkyEstimator& estimator) {
   SkyConstants constants{};
   constants.cone = glm::vec4(estimator.cone, 0.0f);
   std::copy(estimator.taps.begin(), estimator.taps.end(), constants.taps);
+  std::copy(estimator.steps.begin(), estimator.steps.end(), constants.steps);
   for (std::size_t i = 0; i < estimator.directions.size(); ++i) constants.directions[i] = glm::vec4(estimator.directions[i], 0.0f);
   return constants;
 }

@@ -8,11 +8,14 @@
 #include <fmt/ranges.h>
 
 #include "runtime/passes/pyramid/pyramid.h"
+#include "runtime/passes/shade/calibrated_constants.h"
 
 namespace overcast {
 namespace {
 
 using shared::SkyTap;
+
+static_assert(kMostSkySteps == std::size_t{shared::kMaxSteps});
 
 /// The resolution at which taps count (formats/lighting.h).
 constexpr double kTapResolution = 128.0;
@@ -27,14 +30,6 @@ struct Reach {
   int coarser;
 };
 constexpr int kSharp = -shared::kMaxPyramidLevels;
-
-/// The program's own weights of `calibrated`, fitted to generated scenes.
-constexpr int kFewestFitted = 4, kMostFitted = 6;
-std::vector<float> ownWeights(int taps) {
-  if (taps == 4) return {0.588f, 0.0f, 0.522f, 0.616f};
-  if (taps == 5) return {0.583f, 0.0f, 0.606f, 0.634f, 0.0f};
-  return {0.466f, 0.169f, 0.0f, 0.981f, 0.194f, 0.0f};
-}
 
 void addPublishedTaps(const Estimator& estimator, int resolution, SkyEstimator& made) {
   const int added = static_cast<int>(std::lround(std::log2(resolution / kTapResolution)));
@@ -60,12 +55,21 @@ std::vector<SkyTap> tapsWithin(int count, const Reach& reach, int resolution) {
   return taps;
 }
 
+shared::SkyStep sharedStep(const SkyStep& step) {
+  shared::SkyStep made{};
+  for (int tap = 0; tap < static_cast<int>(step.weights.size()); ++tap)
+    (tap < 4 ? made.nearWeights[tap] : made.farWeights[tap - 4]) = step.weights[static_cast<std::size_t>(tap)];
+  made.shape = glm::vec4(step.start, step.facing, step.height, 0.0f);
+  return made;
+}
+
 void addCalibratedTaps(const Estimator& estimator, int resolution, SkyEstimator& made) {
-  const bool given = !estimator.weights.empty();
-  const int count = given ? estimator.taps : std::clamp(estimator.taps, kFewestFitted, kMostFitted);
-  const std::vector<float> weights = given ? estimator.weights : ownWeights(count);
-  made.taps = tapsWithin(count, {1.5, count <= 4 ? 26.0 : 56.0, 1}, resolution);
-  for (std::size_t tap = 0; tap < weights.size(); ++tap) made.taps[tap].weight = weights[tap];
+  CalibratedConstants constants{estimator.weights, estimator.steps};
+  if (constants.weights.empty()) constants = ownConstants(estimator.taps);
+  const auto count = static_cast<int>(constants.weights.size());
+  made.taps = tapsWithin(count, {1.7, count <= 4 ? 28.0 : 55.0, 0}, resolution);
+  for (std::size_t tap = 0; tap < constants.weights.size(); ++tap) made.taps[tap].weight = constants.weights[tap];
+  for (const SkyStep& step : constants.steps) made.steps.push_back(sharedStep(step));
 }
 
 /// Directions that stand for equal shares of the cosine over the hemisphere about z: a spherical Fibonacci lattice, cosine-weighted.
@@ -98,6 +102,11 @@ Result<SkyEstimator> skyEstimator(const Estimator& estimator, int resolution) {
     return Error{"", "estimator", fmt::format("unknown estimator '{}' (known: {})", name, fmt::join(kEstimators, ", "))};
   if (!estimator.weights.empty() && estimator.weights.size() != static_cast<std::size_t>(estimator.taps))
     return Error{"", "estimator", fmt::format("{} weights for {} taps", estimator.weights.size(), estimator.taps)};
+  for (const SkyStep& step : estimator.steps)
+    if (step.weights.size() != estimator.weights.size() || estimator.steps.size() > kMostSkySteps)
+      return Error{"", "estimator",
+                   fmt::format("{} steps, one of {} weights, beside {} weights", estimator.steps.size(), step.weights.size(),
+                               estimator.weights.size())};
   SkyEstimator made;
   made.skyWeight = estimator.skyWeight;
   if (name == "published") {
@@ -122,8 +131,11 @@ SkyEstimator unfiltered(SkyEstimator estimator) {
 }
 
 Estimator withTaps(Estimator estimator, int taps) {
-  if (taps != estimator.taps) estimator.weights.clear();
+  if (taps == estimator.taps) return estimator;
   estimator.taps = taps;
+  estimator.weights.clear();
+  estimator.steps.clear();
+  estimator.fitError = estimator.heldOutError = -1.0;
   return estimator;
 }
 

@@ -17,12 +17,13 @@ inline constexpr std::array kEstimators{"published", "calibrated", "cones", "tra
 bool isHybrid(std::string_view name);
 
 struct SkyEstimator {
-  std::vector<shared::SkyTap> taps;   ///< 1 to shared::kMaxTaps
-  std::vector<glm::vec3> directions;  ///< of cones; empty: along the skewed normal
-  glm::vec3 cone{0.0f};               ///< spread, bias, power
-  bool traced = false;                ///< cones are traced
-  float skyWeight = 0.0f;             ///< alpha
-  int levels = 1;                     ///< of the pyramid that taps read
+  std::vector<shared::SkyTap> taps;    ///< 1 to shared::kMaxTaps
+  std::vector<shared::SkyStep> steps;  ///< of `calibrated`
+  std::vector<glm::vec3> directions;   ///< of cones; empty: along the skewed normal
+  glm::vec3 cone{0.0f};                ///< spread, bias, power
+  bool traced = false;                 ///< cones are traced
+  float skyWeight = 0.0f;              ///< alpha
+  int levels = 1;                      ///< of the pyramid that taps read
 };
 
 /// The estimator at `resolution` voxels along the longest side; for a hybrid, what scenes without apertures get of it. Taps reach as far in

@@ -1,7 +1,7 @@
 // Sky visibility at a point by the scene's estimator (shade.h), which is bindings 4 to 12:
 //   float visibility(vec3 p, vec3 normal, vec4 skew)   p in voxels, unit normal, ShadePush::skew
-// OVERCAST_TAPS taps of the estimator, along the skewed normal or along each of OVERCAST_CONES cones; OVERCAST_TRACED: those are followed
-// to the border of the volume.
+// OVERCAST_TAPS taps of the estimator, along the skewed normal (with OVERCAST_STEPS soft steps) or along each of OVERCAST_CONES cones;
+// OVERCAST_TRACED: those are followed to the border of the volume.
 #include "runtime/passes/shade/shade.h"
 
 // Levels that no tap reads repeat the last one.
@@ -97,10 +97,17 @@ float visibility(vec3 p, vec3 normal, vec4 skew) {
 float visibility(vec3 p, vec3 normal, vec4 skew) {
   vec3 skewed = skewedNormal(normal, vec3(skew));
   float exponent = 0.0f;
+  vec4 missing[2] = vec4[](vec4(0.0f), vec4(0.0f));
   for (int tap = 0; tap < OVERCAST_TAPS; ++tap) {
     float d = estimator.taps[tap].distance;
-    exponent += estimator.taps[tap].weight * tapMissing(field(estimator.taps[tap].level, p + d * skewed), d, skew.w);
+    float misses = tapMissing(field(estimator.taps[tap].level, p + d * skewed), d, skew.w);
+    exponent += estimator.taps[tap].weight * misses;
+    missing[tap / 4][tap % 4] = misses;
   }
+#ifdef OVERCAST_STEPS
+  float turned = turnedAway(skewed, skew);
+  for (int i = 0; i < OVERCAST_STEPS; ++i) exponent += stepExponent(estimator.steps[i], missing[0], missing[1], turned);
+#endif
   return skyVisibility(exponent);
 }
 #endif

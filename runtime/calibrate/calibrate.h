@@ -1,0 +1,64 @@
+// Calibrate: fits the constants of a sky estimator to ray-traced truth.
+//
+// Only results that the formulas of shade.h keep within [0, 1] and monotone are tried: weights and heights are not negative, so that no
+// surface is brighter for a tap that misses more.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "formats/lighting.h"
+#include "runtime/calibrate/sky_readings.h"
+
+namespace overcast {
+
+/// Surface points of one or more scenes with what an estimator reads there.
+struct CalibrationSamples {
+  int resolution = 128;                 ///< voxels along the longest side of the volumes that were read, the same for all
+  std::vector<float> skyWeights;        ///< for each: what is read with this Estimator::skyWeight
+  std::vector<std::vector<float>> phi;  ///< for each of them readingsOf values per point
+  std::vector<glm::vec3> normals;
+  std::vector<glm::vec3> ups;
+  std::vector<float> sky;    ///< the truth
+  std::vector<int> frames;   ///< equal where points are of the same scene and time
+  std::vector<int> objects;  ///< equal where points are of the same object
+};
+
+/// Adds at most `most` points of the references of `scene` (readReferences), as many from each, read as `estimator` reads with each of
+/// samples.skyWeights at samples.resolution. An Error when the device has no room.
+Result<Done> addSamples(const Device& device, const RuntimeScene& scene, std::span<const Reference> references, const Estimator& estimator,
+                        std::size_t most, CalibrationSamples& samples);
+
+/// Whether the estimator of this name has constants that can be fitted; `traced` has none.
+bool canCalibrate(std::string_view name);
+
+/// `estimator` with the program's own constants written out where it leaves them to it, ready to be fitted; without steps where the program
+/// has none for this number of taps.
+Estimator withOwnConstants(Estimator estimator);
+
+/// Constants to start from that say nothing yet, for fits that shall not depend on what the program has. Of `calibrated`: kMostSkySteps
+/// steps by chance; of others the program's.
+Estimator neutralStart(Estimator estimator, std::uint64_t seed);
+
+/// What came of a fit. Errors are RMSE of sky visibility over the points; negative: there was nothing to leave out.
+struct Calibration {
+  Estimator estimator;        ///< fitted, with fitError and heldOutError
+  double startError = 0.0;    ///< of the start
+  double framesError = -1.0;  ///< on frames, each fold of them predicted by a fit to the others
+  double objectsError = -1.0;
+  bool better = false;  ///< heldOutError, the larger of these two, is below startError
+};
+
+/// RMSE of an estimator on the samples; its skyWeight is one of theirs.
+double errorOn(const CalibrationSamples& samples, const Estimator& estimator);
+
+/// Fits from `start`, once with each of samples.skyWeights, and keeps the best. `start` is complete (withOwnConstants) and its skyWeight
+/// one of the samples'. `pull`: robust_fit.h.
+Calibration calibrate(const CalibrationSamples& samples, const Estimator& start, double pull);
+
+/// Fits again from `start` with what `made` found best, in up to five folds without frames and without objects, and fills in the errors on
+/// what was left out.
+void crossValidate(const CalibrationSamples& samples, const Estimator& start, double pull, Calibration& made);
+
+}  // namespace overcast

@@ -1,0 +1,236 @@
+#include "runtime/player/calibrate_command.h"
+
+#include <algorithm>
+#include <filesystem>
+#include <set>
+#include <string>
+#include <vector>
+
+#include <fmt/ranges.h>
+#include <CLI/CLI.hpp>
+#include <nlohmann/json.hpp>
+
+#include "formats/console.h"
+#include "formats/extension_json.h"
+#include "formats/scene_lighting.h"
+#include "runtime/calibrate/calibrate.h"
+#include "runtime/player/headless.h"
+#include "runtime/player/options.h"
+#include "runtime/report/scene_truth.h"
+
+namespace overcast {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr double kScenePull = 1e-4;   // keeps a single scene near what all scenes have in common
+constexpr double kCommonPull = 1e-9;  // and many scenes only from drifting where nothing depends on it
+constexpr std::uint64_t kCommonStarts = 3;
+
+struct Options {
+  std::vector<fs::path> scenes;
+  fs::path reference;
+  std::string estimator;
+  int taps = 0;
+  std::size_t points = 12000;
+  std::string device;
+  bool dryRun = false;
+  bool json = false;
+};
+
+/// What is fitted: the samples of all scenes, and the lighting of the first.
+struct Job {
+  CalibrationSamples samples;
+  Lighting lighting;
+  Estimator start;
+};
+
+int fail(const Error& error, ExitCode code) {
+  printMessage(fmt::format("overcast-player: {}\n", message(error)));
+  return static_cast<int>(code);
+}
+
+void addOptions(CLI::App& app, Options& options) {
+  app.add_option("SCENE", options.scenes, "baked scene (.gltf); of several one common set of constants is printed and nothing written")
+      ->required();
+  app.add_option("--reference", options.reference,
+                 "folder of overcast-bake reference, views or points, or of one such folder for each scene (default: the folder reference "
+                 "beside the first scene)");
+  app.option_defaults()->multi_option_policy(CLI::MultiOptionPolicy::TakeLast);
+  app.add_option("--estimator", options.estimator, "published, calibrated, cones or hybrid (default: the scene's)");
+  app.add_option("--taps", options.taps, "readings along a line (default: the scene's)")->check(CLI::Range(1, shared::kMaxTaps));
+  app.add_option("--points", options.points, "of each scene that are fitted to, at most")
+      ->check(CLI::Range(std::size_t{100}, std::size_t{1000000}))
+      ->capture_default_str();
+  app.add_option("--device", options.device, "index or part of the name of the Vulkan device (default: the best GPU, else the CPU)");
+  app.add_flag("--dry-run", options.dryRun, "write nothing");
+  app.add_flag("--json", options.json, "one JSON object instead of a table");
+  app.footer(
+      "Writes nothing either where the fit does no better, on frames and objects that were left out, than the constants there are.\nExit "
+      "codes: 0 done, 1 internal error, 2 usage, 3 unreadable scene or reference, 4 cannot write, 5 no usable device.");
+}
+
+void checkTogether(Options& options) {
+  if (!options.estimator.empty() && !canCalibrate(options.estimator))
+    throw CLI::ValidationError("--estimator", fmt::format("'{}' is not an estimator with constants to fit", options.estimator));
+  if (options.reference.empty()) options.reference = options.scenes.front().parent_path() / "reference";
+}
+
+/// What the fit starts from: the scene's constants where it has the estimator that is asked for, else the program's.
+Result<Estimator> startOf(const Options& options, const fs::path& scene, const Lighting& lighting) {
+  Estimator start = lighting.estimator;
+  if (!options.estimator.empty() && options.estimator != start.name) {
+    start = Estimator{};
+    start.name = options.estimator;
+    start.taps = lighting.estimator.taps;
+  }
+  if (!canCalibrate(start.name))
+    return Error{scene.string(), "", fmt::format("its estimator, {}, has no constants to fit: say which with --estimator", start.name)};
+  if (options.taps > 0) start = withTaps(std::move(start), options.taps);
+  if (options.scenes.size() > 1) return neutralStart(std::move(start), 1);
+  return withOwnConstants(std::move(start));
+}
+
+std::optional<Failure> addScene(const Device& device, const Options& options, const fs::path& path, Job& job) {
+  auto loaded = loadScene(device, path);
+  if (!loaded) return Failure{loaded.error(), loaded.error().file.empty() ? ExitCode::noDevice : ExitCode::unreadable};
+  RuntimeScene& scene = loaded.value();
+  const bool first = job.samples.skyWeights.empty();
+  const auto add = [&]() -> std::optional<Failure> {
+    if (first) {
+      const auto start = startOf(options, path, scene.lighting);
+      if (!start) return Failure{start.error(), ExitCode::unreadable};
+      job.start = start.value();
+      job.lighting = scene.lighting;
+      job.samples.resolution = scene.lighting.globalVolume.resolution;
+      job.samples.skyWeights = {job.start.skyWeight};
+      if (options.scenes.size() == 1 && job.start.name != "cones")
+        for (const float weight : {0.25f, 0.375f, 0.5f, 0.75f})
+          if (weight != job.start.skyWeight) job.samples.skyWeights.push_back(weight);
+    }
+    const auto references = readReferences(options.reference, path);
+    if (!references) return Failure{references.error(), ExitCode::unreadable};
+    const auto added = addSamples(device, scene, references.value(), job.start, options.points, job.samples);
+    if (!added) return Failure{added.error(), ExitCode::noDevice};
+    return std::nullopt;
+  };
+  auto failure = add();
+  destroyScene(device, scene);
+  return failure;
+}
+
+template <class Values>
+std::size_t distinct(const Values& values) {
+  return std::set(values.begin(), values.end()).size();
+}
+
+/// The constants as runtime/passes/shade/calibrated_constants.cpp has them.
+std::string sourceOf(const Estimator& estimator) {
+  std::string text = fmt::format("{{{{{:.4g}}},\n {{", fmt::join(estimator.weights, ", "));
+  for (const SkyStep& step : estimator.steps)
+    text += fmt::format("{{{{{:.4g}}}, {:.4g}, {:.4g}, {:.4g}}},\n  ", fmt::join(step.weights, ", "), step.start, step.facing, step.height);
+  return text + "}}\n";
+}
+
+std::string textOf(const Job& job, const Calibration& made) {
+  const Estimator& estimator = made.estimator;
+  std::string text = fmt::format("{}, {} taps: {} points of {} frames and {} objects\n", estimator.name, estimator.taps,
+                                 job.samples.sky.size(), distinct(job.samples.frames), distinct(job.samples.objects));
+  const auto row = [&](const char* what, double error) {
+    text += fmt::format("  {:<36}{}\n", what, error < 0.0 ? "too few to leave out" : fmt::format("{:.4f}", error));
+  };
+  row("RMSE of the constants before", made.startError);
+  row("RMSE of the fit", estimator.fitError);
+  row("RMSE of a fit without these frames", made.framesError);
+  row("RMSE of a fit without these objects", made.objectsError);
+  text += fmt::format("  sky weight {:.4g}", estimator.skyWeight);
+  if (estimator.name == "published") return text + fmt::format(", k {:.4g}\n", estimator.k);
+  if (estimator.name == "cones")
+    return text + fmt::format(", spread {:.4g}, bias {:.4g}, power {:.4g}\n", estimator.cones->spread, estimator.cones->bias,
+                              estimator.cones->power);
+  return text + fmt::format(", weights {:.4g}, and {} steps\n", fmt::join(estimator.weights, " "), estimator.steps.size());
+}
+
+std::string jsonOf(const Job& job, const Calibration& made, bool written) {
+  Lighting lighting = job.lighting;
+  lighting.estimator = made.estimator;
+  const auto known = [](double error) { return error < 0.0 ? nlohmann::json() : nlohmann::json(error); };
+  const nlohmann::json json = {{"points", job.samples.sky.size()},
+                               {"frames", distinct(job.samples.frames)},
+                               {"objects", distinct(job.samples.objects)},
+                               {"startError", made.startError},
+                               {"fitError", made.estimator.fitError},
+                               {"framesError", known(made.framesError)},
+                               {"objectsError", known(made.objectsError)},
+                               {"better", made.better},
+                               {"written", written},
+                               {"estimator", nlohmann::json::parse(lightingJson(lighting)).at("estimator")}};
+  return json.dump(1) + "\n";
+}
+
+/// The best of fits from several starts.
+Calibration fitCommon(const Job& job) {
+  Estimator bestStart = job.start;
+  Calibration best = calibrate(job.samples, bestStart, kCommonPull);
+  for (std::uint64_t seed = 2; seed <= kCommonStarts; ++seed) {
+    const Estimator start = neutralStart(job.start, seed);
+    Calibration made = calibrate(job.samples, start, kCommonPull);
+    if (made.estimator.fitError >= best.estimator.fitError) continue;
+    best = std::move(made);
+    bestStart = start;
+  }
+  crossValidate(job.samples, bestStart, kCommonPull, best);
+  return best;
+}
+
+int finish(const Options& options, const Job& job) {
+  if (options.scenes.size() > 1) {
+    const Calibration made = fitCommon(job);
+    printResult(options.json ? jsonOf(job, made, false) : textOf(job, made) + sourceOf(made.estimator));
+    return static_cast<int>(ExitCode::ok);
+  }
+  Calibration made = calibrate(job.samples, job.start, kScenePull);
+  crossValidate(job.samples, job.start, kScenePull, made);
+  const bool writes = made.better && !options.dryRun;
+  if (writes) {
+    Lighting lighting = job.lighting;
+    lighting.estimator = made.estimator;
+    if (const auto written = replaceLighting(options.scenes.front(), lighting); !written)
+      return fail(written.error(), ExitCode::unwritable);
+  }
+  printResult(options.json ? jsonOf(job, made, writes) : textOf(job, made));
+  if (!options.json)
+    printResult(writes        ? "written into the scene\n"
+                : made.better ? "better than before; not written (--dry-run)\n"
+                              : "no better than before on what was left out: the scene stays as it was\n");
+  return static_cast<int>(ExitCode::ok);
+}
+
+int runCalibrate(const Options& options) {
+  auto device = openDevice({options.device, false, {}, false});
+  if (!device) return fail(device.error(), ExitCode::noDevice);
+  Job job;
+  std::optional<Failure> failure;
+  for (const fs::path& scene : options.scenes)
+    if (!failure) failure = addScene(device.value(), options, scene, job);
+  closeDevice(device.value());
+  return failure ? fail(failure->error, failure->code) : finish(options, job);
+}
+
+}  // namespace
+
+int calibrateCommand(int argc, char** argv) {
+  CLI::App app("Fits the constants of a baked scene's sky estimator to its ray-traced reference and writes them into it.",
+               "overcast-player calibrate");
+  Options options;
+  addOptions(app, options);
+  try {
+    app.parse(argc, argv);
+    checkTogether(options);
+  } catch (const CLI::ParseError& error) {
+    return parseFailure(app, error);
+  }
+  return runCalibrate(options);
+}
+
+}  // namespace overcast

@@ -1,0 +1,274 @@
+// Calibration: fits with known answers, what is left out, and samples of a scene on the device.
+#include "runtime/calibrate/calibrate.h"
+
+#include <cmath>
+#include <random>
+
+#include <gtest/gtest.h>
+#include <glm/geometric.hpp>
+
+#include "runtime/calibrate/robust_fit.h"
+#include "tests/reference/sky.h"
+#include "tests/runtime/baked_scene.h"
+#include "tests/runtime/scenes.h"
+#include "tests/runtime/sky_steps.h"
+#include "tests/runtime/support.h"
+
+namespace overcast {
+namespace {
+
+constexpr glm::vec3 kUp{0.0f, 1.0f, 0.0f};
+
+/// y = a + b x at x = 0, 0.1, 0.2, ... with y given.
+FitProblem line(std::span<const float> y) {
+  FitProblem problem{.truth = y, .low = {-10.0, -10.0}, .high = {10.0, 10.0}, .predict = {}};
+  problem.predict = [](std::span<const double> p, std::span<float> predicted) {
+    for (std::size_t i = 0; i < predicted.size(); ++i) predicted[i] = static_cast<float>(p[0] + p[1] * 0.1 * static_cast<double>(i));
+  };
+  return problem;
+}
+
+TEST(RobustFit, FindsALineInSpiteOfOutliers) {
+  std::vector<float> y;
+  for (int i = 0; i < 50; ++i) y.push_back(2.0f - 0.7f * 0.1f * static_cast<float>(i));
+  const std::vector<double> clean = fitRobustly(line(y), {0.0, 0.0});
+  EXPECT_NEAR(clean[0], 2.0, 1e-4);
+  EXPECT_NEAR(clean[1], -0.7, 1e-4);
+  for (std::size_t i = 0; i < 50; i += 10) y[i] += 8.0f;
+  FitProblem problem = line(y);
+  const std::vector<double> robust = fitRobustly(problem, {0.0, 0.0});
+  problem.outlier = 1e6;
+  const std::vector<double> squares = fitRobustly(problem, {0.0, 0.0});
+  EXPECT_GT(std::abs(squares[0] - 2.0), 0.5) << "the outliers matter";
+  EXPECT_LT(std::abs(robust[0] - 2.0), 0.1);
+  EXPECT_LT(std::abs(robust[1] + 0.7), 0.05);
+}
+
+TEST(RobustFit, OthersMakeUpForWhatABoundHoldsBack) {
+  std::vector<float> y;
+  for (int i = 0; i < 11; ++i) y.push_back(0.1f - 0.02f * static_cast<float>(i));
+  FitProblem problem = line(y);
+  problem.low[1] = 0.0;
+  const std::vector<double> fitted = fitRobustly(problem, {1.0, -3.0});
+  EXPECT_EQ(fitted[1], 0.0);
+  EXPECT_NEAR(fitted[0], 0.0, 1e-5) << "their mean";
+}
+
+TEST(RobustFit, PullsBackWhatRowsDoNotTell) {
+  const std::vector<float> y(20, 1.0f);
+  FitProblem problem{.truth = y, .low = {-10.0, -10.0}, .high = {10.0, 10.0}, .predict = {}, .pull = 1e-6};
+  problem.predict = [](std::span<const double> p, std::span<float> predicted) {
+    for (float& value : predicted) value = static_cast<float>(p[0] + p[1]);
+  };
+  const std::vector<double> fitted = fitRobustly(problem, {3.0, -1.0});
+  EXPECT_NEAR(fitted[0], 2.5, 0.01) << "both give way alike";
+  EXPECT_NEAR(fitted[1], -1.5, 0.01);
+  problem.truth = {};
+  EXPECT_EQ(fitRobustly(problem, {3.0, -1.0}), (std::vector<double>{3.0, -1.0})) << "nothing to go by";
+}
+
+Estimator named(const char* name, int taps) {
+  Estimator estimator;
+  estimator.name = name;
+  estimator.taps = taps;
+  return estimator;
+}
+
+/// Points whose truth is what `known` makes of readings by chance, from 0.2 below open ground to shut, of 10 objects in 5 frames.
+CalibrationSamples samplesOf(const Estimator& known, std::size_t count) {
+  std::mt19937 random(5);
+  std::uniform_real_distribution<float> chance(0.0f, 1.0f);
+  const SkyEstimator ready = skyEstimator(known, 128).value();
+  CalibrationSamples samples;
+  samples.skyWeights = {known.skyWeight};
+  samples.phi.emplace_back();
+  for (std::size_t i = 0; i < count; ++i) {
+    std::vector<float> phi;
+    for (std::size_t n = 0; n < readingsOf(ready); ++n)
+      phi.push_back(ready.taps[n % ready.taps.size()].distance * (1.7f - 1.7f * chance(random)));
+    const glm::vec3 normal = glm::normalize(glm::vec3(chance(random) - 0.5f, chance(random) - 0.5f, chance(random) - 0.5f));
+    samples.phi[0].insert(samples.phi[0].end(), phi.begin(), phi.end());
+    samples.normals.push_back(normal);
+    samples.ups.push_back(kUp);
+    samples.sky.push_back(visibilityOf(ready, kUp, normal, phi));
+    samples.frames.push_back(static_cast<int>(i * 5 / count));
+    samples.objects.push_back(static_cast<int>(random() % 10));
+  }
+  return samples;
+}
+
+/// Every 20th point's truth turned upside down.
+void spoil(CalibrationSamples& samples) {
+  for (std::size_t i = 0; i < samples.sky.size(); i += 20) samples.sky[i] = samples.sky[i] > 0.5f ? 0.0f : 1.0f;
+}
+
+TEST(Calibrate, RecoversPublishedConstants) {
+  Estimator known = named("published", 4);
+  known.k = 2.25f;
+  CalibrationSamples samples = samplesOf(known, 2000);
+  const Calibration made = calibrate(samples, named("published", 4), 0.0);
+  EXPECT_NEAR(made.estimator.k, 2.25f, 1e-3f);
+  EXPECT_LT(made.estimator.fitError, 1e-4);
+  EXPECT_GT(made.startError, 0.05);
+  spoil(samples);
+  EXPECT_NEAR(calibrate(samples, named("published", 4), 0.0).estimator.k, 2.25f, 0.15f) << "outliers do not move it";
+}
+
+TEST(Calibrate, RecoversWeights) {
+  Estimator known = named("calibrated", 4), start = known;
+  known.weights = {0.4f, 0.0f, 0.3f, 0.9f};
+  start.weights = {0.5f, 0.5f, 0.5f, 0.5f};
+  CalibrationSamples samples = samplesOf(known, 2000);
+  const Calibration made = calibrate(samples, start, 0.0);
+  for (std::size_t i = 0; i < 4; ++i) EXPECT_NEAR(made.estimator.weights[i], known.weights[i], 2e-3f) << i;
+  spoil(samples);
+  const Calibration spoilt = calibrate(samples, start, 0.0);
+  for (std::size_t i = 0; i < 4; ++i) {
+    EXPECT_NEAR(spoilt.estimator.weights[i], known.weights[i], 0.12f) << i;
+    EXPECT_GE(spoilt.estimator.weights[i], 0.0f);
+  }
+}
+
+TEST(Calibrate, FindsStepsThatPredictAsTheKnownOnesDo) {
+  Estimator known = named("calibrated", 4);
+  known.weights = {0.1f, 0.0f, 0.2f, 0.3f};
+  known.steps = {{{0.5f, 0.0f, 1.5f, 1.0f}, -1.0f, 0.5f, 0.8f}, {{0.0f, 2.0f, 0.0f, 1.0f}, -2.0f, -0.5f, 0.6f}};
+  const CalibrationSamples samples = samplesOf(known, 3000);
+  const Calibration made = calibrate(samples, neutralStart(named("calibrated", 4), 3), 1e-9);
+  EXPECT_EQ(made.estimator.steps.size(), kMostSkySteps);
+  EXPECT_GT(made.startError, 0.05);
+  EXPECT_LT(made.estimator.fitError, 0.01);
+  for (const SkyStep& step : made.estimator.steps) EXPECT_GE(step.height, 0.0f);
+}
+
+TEST(Calibrate, RecoversConesPredictions) {
+  Estimator known = named("cones", 3);
+  known.cones = SkyCones{5, 0.8f, 0.1f, 1.3f};
+  Estimator start = withOwnConstants(named("cones", 3));
+  start.cones->directions = 5;
+  const Calibration made = calibrate(samplesOf(known, 1500), start, 0.0);
+  EXPECT_NEAR(made.estimator.cones->spread, 0.8f, 0.01f);
+  EXPECT_NEAR(made.estimator.cones->bias, 0.1f, 0.01f);
+  EXPECT_NEAR(made.estimator.cones->power, 1.3f, 0.02f);
+}
+
+TEST(Calibrate, WhatIsLeftOutIsPredictedNoBetterAndFramesThatDifferWorse) {
+  Estimator known = named("calibrated", 4);
+  known.weights = {0.4f, 0.2f, 0.3f, 0.9f};
+  CalibrationSamples samples = samplesOf(known, 2000);
+  std::mt19937 random(9);
+  for (float& sky : samples.sky) sky += 0.05f * (static_cast<float>(random() % 1000) / 500.0f - 1.0f);
+  const Estimator start = withOwnConstants(known);
+  Calibration made = calibrate(samples, start, 0.0);
+  crossValidate(samples, start, 0.0, made);
+  EXPECT_GE(made.framesError, made.estimator.fitError);
+  EXPECT_GE(made.objectsError, made.estimator.fitError);
+  EXPECT_LT(made.framesError, 1.02 * made.estimator.fitError) << "frames are alike";
+  EXPECT_FALSE(made.better) << "it started from the truth";
+  for (std::size_t i = 0; i < samples.sky.size(); ++i)
+    if (samples.frames[i] == 2) samples.sky[i] *= 0.5f;
+  crossValidate(samples, start, 0.0, made);
+  EXPECT_GT(made.framesError, 1.05 * made.objectsError) << "one frame is unlike the others, each object is in all";
+  samples.frames.assign(samples.frames.size(), 0);
+  samples.objects.assign(samples.objects.size(), 3);
+  crossValidate(samples, start, 0.0, made);
+  EXPECT_LT(made.framesError, 0.0);
+  EXPECT_LT(made.estimator.heldOutError, 0.0) << "nothing to leave out";
+  EXPECT_FALSE(made.better);
+}
+
+TEST(Calibrate, ReadsOfAFieldWhatTheReferenceReads) {
+  const auto corner = [](const glm::dvec3& p) { return std::min({p.y - 11.3, p.x - 5.1, 3.0 + 0.5 * std::sin(p.z)}); };
+  const reference::Field finest = reference::fieldOf({40, 32, 24}, corner);
+  const std::vector<reference::Field> levels = reference::pyramid(finest, shared::kMaxPyramidLevels);
+  SkyField field{GlobalGrid{{1, 2, 3}, 0.25, finest.size}, {}};
+  for (const reference::Field& level : levels) field.levels.push_back({level.size, {level.values.begin(), level.values.end()}});
+  Estimator estimator = named("calibrated", 5);
+  estimator.weights = {0.2f, 0.1f, 0.3f, 0.1f, 0.2f};
+  estimator.steps = {{{0.5f, 0.0f, 0.25f, 0.0f, 0.5f}, -0.5f, 1.0f, 0.5f}};
+  const SkyEstimator ready = skyEstimator(estimator, 40).value();
+  std::vector<reference::Tap> taps;
+  for (const shared::SkyTap& tap : ready.taps) taps.push_back({tap.distance, tap.weight, tap.level});
+  std::mt19937 random(2);
+  std::uniform_real_distribution<double> chance(0.0, 1.0);
+  double darkest = 1.0;
+  for (int i = 0; i < 100; ++i) {
+    const glm::dvec3 at(40 * chance(random), 32 * chance(random), 24 * chance(random));
+    const glm::dvec3 normal = glm::normalize(glm::dvec3(chance(random) - 0.5, chance(random) - 0.3, chance(random) - 0.5));
+    const SurfacePoint point{field.grid.origin + 0.25 * at, glm::vec3(normal)};
+    std::vector<float> phi;
+    readTaps(field, ready, kUp, point, phi);
+    const double expected = reference::calibratedSky(levels, at, normal, glm::dvec3(kUp), taps, ready.skyWeight, test::stepsOf(ready));
+    EXPECT_NEAR(visibilityOf(ready, kUp, point.normal, phi), expected, 1e-4);
+    darkest = std::min(darkest, expected);
+  }
+  EXPECT_LT(darkest, 0.6);
+}
+
+class CalibrateScene : public test::DeviceTest {
+ protected:
+  /// Points on the floor of the baked scene, as a reference says them, with the sky of `sky`.
+  static Reference floorPoints(const glm::dvec3& origin, double scale) {
+    Reference reference;
+    reference.info.kind = ReferenceKind::points;
+    reference.info.origin = origin;
+    reference.image =
+        Image{16, 16, {"depth", "normal.X", "normal.Y", "normal.Z", "object", "sky", "position.X", "position.Y", "position.Z"}, {}};
+    for (int z = 0; z < 16; ++z)
+      for (int x = 0; x < 16; ++x) {
+        const auto at = [&](int i) { return static_cast<float>(scale * (-1.8 + 3.6 * i / 15.0)); };
+        for (const float value : {0.0f, 0.0f, 1.0f, 0.0f, 0.0f, 0.5f, at(x), 0.0f, at(z)}) reference.image.pixels.push_back(value);
+      }
+    reference.image.pixels[0] = -1.0f;  // one point less
+    return reference;
+  }
+
+  CalibrationSamples read(const std::filesystem::path& file, const Reference& reference, const Estimator& estimator) {
+    CalibrationSamples samples;
+    samples.resolution = 64;
+    samples.skyWeights = {0.25f, 0.5f};
+    Result<RuntimeScene> scene = loadScene(device, file);
+    EXPECT_TRUE(scene.ok()) << message(scene.error());
+    const auto added = addSamples(device, scene.value(), {&reference, 1}, estimator, 1000, samples);
+    EXPECT_TRUE(added.ok());
+    destroyScene(device, scene.value());
+    return samples;
+  }
+};
+
+TEST_F(CalibrateScene, ReadsTheSameWhateverTheScaleAndPlaceOfTheScene) {
+  const std::filesystem::path folder = test::temporaryFolder();
+  Scene scene = test::bakedScene(folder, {});
+  ASSERT_TRUE(writeScene(folder / "here.gltf", scene).ok());
+  const glm::dvec3 moved(512.0, -64.0, 128.0);
+  Node root;
+  root.name = "root";
+  root.translation = moved;
+  root.scale = glm::dvec3(4.0);
+  for (std::size_t i = 0; i < scene.nodes.size(); ++i) {
+    scene.nodes[i].parent = static_cast<int>(scene.nodes.size());
+    root.children.push_back(static_cast<int>(i));
+  }
+  scene.nodes.push_back(root);
+  ASSERT_TRUE(writeScene(folder / "there.gltf", scene).ok());
+  const Estimator estimator = named("calibrated", 4);
+  const CalibrationSamples here = read(folder / "here.gltf", floorPoints({}, 1.0), estimator);
+  const CalibrationSamples there = read(folder / "there.gltf", floorPoints(moved, 4.0), estimator);
+  ASSERT_EQ(here.sky.size(), 255u);
+  ASSERT_EQ(here.phi.size(), 2u);
+  for (std::size_t s = 0; s < 2; ++s) {
+    ASSERT_EQ(here.phi[s].size(), 255u * 4u);
+    float least = 1e9f, most = -1e9f;
+    for (std::size_t i = 0; i < here.phi[s].size(); ++i) {
+      EXPECT_NEAR(there.phi[s][i], here.phi[s][i], 0.03f) << "half floats of up to 64 voxels";
+      least = std::min(least, here.phi[s][i] / skyEstimator(estimator, 64).value().taps[i % 4].distance);
+      most = std::max(most, here.phi[s][i] / skyEstimator(estimator, 64).value().taps[i % 4].distance);
+    }
+    EXPECT_LT(least, 0.3f) << "near the sphere";
+    EXPECT_NEAR(most, 1.0f + here.skyWeights[s], 0.1f) << "open";
+  }
+  EXPECT_NE(here.phi[0], here.phi[1]);
+}
+
+}  // namespace
+}  // namespace overcast
