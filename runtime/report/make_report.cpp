@@ -131,7 +131,7 @@ Result<const ReportRow*> applyWish(const ReportScene& scene, const fs::path& fil
   Lighting lighting =
       lightingWith(own, {.estimator = row->estimator, .taps = row->taps, .cones = row->cones, .resolution = row->resolution});
   if (row == &scene.rows.front()) return row;
-  lighting.estimator.fitError = -1.0;
+  lighting.estimator.fitError = lighting.estimator.heldOutError = -1.0;
   const auto written = replaceLighting(file, lighting);
   if (!written) return written.error();
   return row;
