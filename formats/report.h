@@ -18,7 +18,7 @@ inline constexpr int kReportVersion = 1;
 struct ReportTime {
   double median = 0.0;
   double p95 = 0.0;    ///< the smallest that 95 % of the rounds do not exceed
-  double noise = 0.0;  ///< by how much the median of another run on the same, equally busy device may differ
+  double noise = 0.0;  ///< by how much the median of another run on the same device may differ, beside those of the other settings
   int rounds = 0;      ///< that were timed; of sums the fewest of their parts; 0: not said
 };
 
@@ -99,7 +99,7 @@ struct Report {
   int timedWidth = 0;  ///< pixels of those that times are of
   int timedHeight = 0;
   int rounds = 0;       ///< timed frames of each setting, at most; slow ones have fewer (ReportTime::rounds)
-  double drift = 0.0;   ///< by what share times differed when the first scene was timed again at the end; part of every noise
+  double drift = 0.0;   ///< by what share (of logarithms) all times together may differ from run to run: how busy or fast the device was
   std::string leftOut;  ///< what this report does not sweep, in words; empty: nothing
   std::vector<ReportScene> scenes;
 };

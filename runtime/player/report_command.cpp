@@ -47,11 +47,11 @@ void addOptions(CLI::App& app, Options& options) {
   app.add_option("--device", options.device, "index or part of the name of the Vulkan device (default: the best GPU, else the CPU)");
   app.add_option("--timed-size", options.timedSize, "WIDTHxHEIGHT in pixels of the frames that are timed (default 640x360)");
   app.option_defaults()->multi_option_policy(CLI::MultiOptionPolicy::TakeLast);
-  app.add_option("--rounds", options.measure.timing.rounds, "timed frames of each setting, at most")
+  app.add_option("--rounds", options.measure.timing.rounds, "timed frames of the fastest settings")
       ->check(CLI::Range(1, 1000))
       ->capture_default_str();
   app.add_option("--seconds", options.measure.timing.seconds,
-                 "seconds on the device after which a setting is timed no more, from its third frame on")
+                 "seconds on the device for each setting: slow ones are timed in fewer frames, in three at least")
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
   app.add_flag("--quick", options.quick, "fewer settings; the page says which are left out");

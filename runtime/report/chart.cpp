@@ -253,15 +253,24 @@ std::string tradeoffChart(const ReportScene& scene, Cost cost, const std::string
   return svg + labels(scene, front, points) + "</svg>\n";
 }
 
+namespace {
+
+/// RMSE of the picture that was split.
+double lastError(const ReportRow& row) {
+  return row.errors.views.empty() ? row.errors.rmse : row.errors.views.back();
+}
+
+}  // namespace
+
 std::string stepsChart(const ReportScene& scene) {
-  constexpr double kBar = 17.0, kHead = 22.0, kEnd = 590.0;
+  constexpr double kBar = 17.0, kHead = 22.0, kEnd = 1180.0, kFigure = 60.0;
   constexpr std::array kColours{"#0072B2", "#E69F00", "#009E73", "#CC79A7", "#56B4E9", "#D55E00"};
   std::vector<const ReportRow*> rows;
   double least = 0.0, most = 1.0, names = 80.0;
   for (const ReportRow& row : scene.rows) {
     if (row.steps.empty()) continue;
     rows.push_back(&row);
-    names = std::max(names, kCharacter * static_cast<double>(row.setting.size()));
+    names = std::max(names, kCharacter * static_cast<double>(row.setting.size()) + kFigure);
     double down = 0.0, upwards = 0.0;
     for (const ReportStep& step : row.steps) (step.share < 0.0 ? down : upwards) += step.share;
     least = std::min(least, down);
@@ -270,15 +279,17 @@ std::string stepsChart(const ReportScene& scene) {
   if (rows.empty()) return "";
   const auto x = [&](double share) { return names + (share - least) / (most - least) * (kEnd - names); };
   const double bottom = kHead + kBar * static_cast<double>(rows.size());
-  std::string svg = fmt::format("<svg class=\"chart\" viewBox=\"0 0 600 {:.0f}\" role=\"img\">\n", bottom + 22.0);
+  std::string svg = fmt::format("<svg class=\"chart\" viewBox=\"0 0 1200 {:.0f}\" role=\"img\">\n", bottom + 22.0);
   for (std::size_t i = 0; i < rows[0]->steps.size(); ++i)
     svg += fmt::format("<rect x=\"{0}\" y=\"3\" width=\"10\" height=\"10\" fill=\"{1}\"/><text x=\"{2}\" y=\"12\">{3}</text>\n",
                        names + 95.0 * static_cast<double>(i), kColours[i % kColours.size()], names + 14.0 + 95.0 * static_cast<double>(i),
                        escapedHtml(rows[0]->steps[i].name));
+  svg += fmt::format("<text x=\"{}\" y=\"12\" text-anchor=\"end\">RMSE</text>\n", names - 10.0);
   for (std::size_t r = 0; r < rows.size(); ++r) {
     const double top = kHead + kBar * static_cast<double>(r);
-    svg +=
-        fmt::format("<text x=\"{}\" y=\"{:.1f}\" text-anchor=\"end\">{}</text>\n", names - 6.0, top + 11.0, escapedHtml(rows[r]->setting));
+    svg += fmt::format(
+        "<text x=\"{0}\" y=\"{1:.1f}\" text-anchor=\"end\">{2}</text><text x=\"{3}\" y=\"{1:.1f}\" text-anchor=\"end\">{4:.4f}</text>\n",
+        names - kFigure, top + 11.0, escapedHtml(rows[r]->setting), names - 10.0, lastError(*rows[r]));
     double down = 0.0, upwards = 0.0;
     for (std::size_t i = 0; i < rows[r]->steps.size(); ++i) {
       const ReportStep& step = rows[r]->steps[i];

@@ -13,13 +13,19 @@ namespace overcast {
 inline constexpr double kErrorShare = 0.005;
 inline constexpr double kErrorRounding = 2e-5;
 
+/// A device that is busier, or clocked lower, than in the other run slows all settings of a scene alike. Of scenes with at least so many
+/// settings in both reports that common factor is told apart, as the median of the ratios of their times while nothing moves: it is judged
+/// by what both reports state as drift, and the times of each setting beside it. Of others the drift counts as noise.
+inline constexpr std::size_t kEnoughSettings = 8;
+
 struct Change {
   std::string scene;
   std::string setting;
-  std::string figure;  ///< "rmse", "flicker", "frame ms", "still ms" or "bytes"
+  std::string figure;  ///< "rmse", "flicker", "frame ms", "still ms", "bytes", or of all settings together "speed", a factor
   double before = 0.0;
   double after = 0.0;
-  double noise = 0.0;  ///< a difference up to this is no change; of times the sum of what both reports state
+  double noise = 0.0;   ///< a difference up to this is no change; of times the sum of what both reports state
+  double common = 1.0;  ///< of times, what `before` was multiplied by before it was compared
   bool worse = false;
 };
 

@@ -96,6 +96,7 @@ Result<Report> makeReport(const Device& device, const ReportJob& job) {
   Report report = reportOn(device.info, job.measure);
   std::vector<std::vector<PagePicture>> pictures;
   std::optional<MeasuredScene> first;
+  std::vector<double> factors;
   for (const Bakes& bakes : grouped(job.scenes)) {
     auto measured = measureBakes(device, bakes, job);
     if (!measured) return measured.error();
@@ -112,11 +113,12 @@ Result<Report> makeReport(const Device& device, const ReportJob& job) {
     }
     pictures.push_back(std::move(shown).value());
     report.scenes.push_back(measured.value().scene);
+    factors.insert(factors.end(), measured.value().factors.begin(), measured.value().factors.end());
     if (!first) first = std::move(measured).value();
   }
   const auto again = withScene(device, job.scenes[0], [&](RuntimeScene& scene) { return timeAgain(device, scene, *first, job.measure); });
   if (!again) return again.error();
-  addDrift(report, again.value());
+  stateNoise(report, factors, again.value());
   const auto written = writeAll(job.output, report, pictures);
   if (!written) return written.error();
   return report;

@@ -98,10 +98,11 @@ Result<Done> measureErrors(Measurement& m) {
 
 Result<Done> measureTimes(Measurement& m) {
   say(m, "times");
-  auto times = timeCandidates(m.bench, m.bench.truth.pictures.back(), m.settings.timing);
-  if (!times) return times.error();
+  auto timing = timeCandidates(m.bench, m.bench.truth.pictures.back(), m.settings.timing);
+  if (!timing) return timing.error();
+  m.measured.factors.insert(m.measured.factors.end(), timing.value().factors.begin(), timing.value().factors.end());
   for (std::size_t i = 0; i < m.rows.size(); ++i) {
-    RoundTimes& round = times.value()[i];
+    RoundTimes& round = timing.value().times[i];
     m.rows[i].frame = round.frame;
     m.rows[i].still = round.still;
     m.rows[i].passes = std::move(round.passes);
@@ -181,14 +182,21 @@ void describe(ReportScene& scene, const SceneTruth& truth) {
 std::string occludersOf(const RuntimeScene& scene) {
   int largest = 0;
   std::set<int> bits;
+  std::set<std::string> others;
   for (const Asset& asset : scene.assets)
     if (const auto* volume = std::get_if<Volume>(&asset)) largest = std::max({largest, volume->size.x, volume->size.y, volume->size.z});
-  for (const Node& node : scene.scene.nodes)
-    if (node.occluder && node.occluder->representation == Representation::volume) bits.insert(node.occluder->bits);
-  if (largest == 0) return "no volumes";
+  for (const Node& node : scene.scene.nodes) {
+    if (!node.occluder) continue;
+    if (node.occluder->representation == Representation::volume)
+      bits.insert(node.occluder->bits);
+    else
+      others.insert(name(node.occluder->representation));
+  }
   std::string text;
   for (const int count : bits) text += fmt::format("{}{}", text.empty() ? "" : "/", count > 0 ? std::to_string(count) : "?");
-  return fmt::format("{} bits, up to {} samples", text, largest);
+  if (!bits.empty()) text += fmt::format(" bits, up to {} samples", largest);
+  for (const std::string& other : others) text += (text.empty() ? "" : ", ") + other;
+  return text;
 }
 
 Result<MeasuredScene> measureScene(const Device& device, RuntimeScene& scene, const std::string& name, SceneTruth truth,
@@ -225,11 +233,11 @@ Result<std::vector<double>> timeAgain(const Device& device, RuntimeScene& scene,
   Result<Done> done = fillBench(bench, sweepSettings(scene.lighting, hasApertures(scene), settings.size), {});
   std::vector<double> ratios;
   if (done) {
-    const auto times = timeCandidates(bench, measured.truth.pictures.back(), settings.timing);
-    if (!times) done = times.error();
-    for (std::size_t i = 0; times && i < bench.candidates.size(); ++i) {
+    const auto timing = timeCandidates(bench, measured.truth.pictures.back(), settings.timing);
+    if (!timing) done = timing.error();
+    for (std::size_t i = 0; timing && i < bench.candidates.size(); ++i) {
       const ReportRow* row = rowNamed(measured.scene, bench.candidates[i].setting.name);
-      if (row != nullptr && row->still.median > 0.0) ratios.push_back(times.value()[i].still.median / row->still.median);
+      if (row != nullptr && row->still.median > 0.0) ratios.push_back(timing.value().times[i].still.median / row->still.median);
     }
   }
   destroyBench(bench);

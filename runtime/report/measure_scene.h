@@ -32,6 +32,7 @@ struct MeasuredScene {
   ReportScene scene;
   SceneTruth truth;                       ///< masks narrowed to the surfaces that the player shows too
   std::vector<MeasuredPicture> pictures;  ///< one for each row, in order, of the last reference
+  std::vector<double> factors;            ///< of all rounds of times (timing.h)
 };
 
 /// Measures `scene`, whose lighting and apertures are as before afterwards. Every picture is rendered at the size of its reference and
@@ -45,7 +46,7 @@ Result<MeasuredScene> measureScene(const Device& device, RuntimeScene& scene, co
 Result<Done> measureVariant(const Device& device, RuntimeScene& scene, const std::string& bake, const MeasureSettings& settings,
                             MeasuredScene& measured);
 
-/// "16 bits, up to 64 samples" and the like: what tells bakes of a scene apart.
+/// "16 bits, up to 64 samples, primitive" and the like: what tells bakes of a scene apart.
 std::string occludersOf(const RuntimeScene& scene);
 
 /// Times the settings of a measured scene once more, none of further bakes: for each the ratio of its time while nothing moves to what it

@@ -1,5 +1,6 @@
 #include "runtime/report/page.h"
 
+#include <cmath>
 #include <set>
 
 #include "runtime/report/chart.h"
@@ -36,13 +37,13 @@ std::string legend(const Report& report) {
       ours, others);
 }
 
-std::string charts(const ReportScene& scene, const std::string& error, const std::string& further) {
+std::string charts(const ReportScene& scene, const std::string& error) {
   const auto panel = [](const char* title, const std::string& chart) {
     return fmt::format("<div class=\"panel\"><h3>{}</h3>{}</div>\n", title, chart);
   };
   return "<div class=\"pair\">\n" + panel("Error against time, everything moves", tradeoffChart(scene, Cost::frame, error)) +
          panel("Error against time, nothing moves", tradeoffChart(scene, Cost::still, error)) +
-         panel("Error against memory", tradeoffChart(scene, Cost::bytes, error)) + further + "</div>\n";
+         panel("Error against memory", tradeoffChart(scene, Cost::bytes, error)) + "</div>\n";
 }
 
 std::string viewErrors(const ReportRow& row) {
@@ -145,11 +146,11 @@ std::string environment(const Report& report) {
              "that "
              "warms up; a composite is timed once for all settings of its resolution. Everything moves: the whole volume is made anew. "
              "Nothing "
-             "moves: composite and pyramid rest. Noise: by how much another run may differ; the first scene, timed again at the end, "
-             "differed by "
-             "{:.1f} %.</p>\n",
+             "moves: composite and pyramid rest. Noise: by how much another run may differ beside the other settings; all settings "
+             "together "
+             "may differ by {:.0f} %, for the device was not always as fast.</p>\n",
              report.width, report.height, report.timedWidth, report.timedHeight, escapedHtml(report.device), escapedHtml(report.kind),
-             escapedHtml(report.driver), escapedHtml(report.vulkan), report.rounds, 100.0 * report.drift) +
+             escapedHtml(report.driver), escapedHtml(report.vulkan), report.rounds, 100.0 * std::expm1(report.drift)) +
          (report.leftOut.empty() ? std::string() : fmt::format("<p class=\"quiet\">Left out here: {}.</p>\n", escapedHtml(report.leftOut)));
 }
 
@@ -166,7 +167,7 @@ std::string sceneSection(const ReportScene& scene, std::size_t number, const std
              "the "
              "last; standard error of the reference {3:.4f}, seed {4}.</p>\n",
              escapedHtml(scene.name), scene.pictures, scene.pixels, scene.referenceError, scene.seed, number, framesOf(scene)) +
-         viewer(scene, reference) + charts(scene, kErrorAxis, stepsPanel(scene)) + rowsTable(scene) + passesTable(scene) + "</section>\n";
+         viewer(scene, reference) + charts(scene, kErrorAxis) + stepsPanel(scene) + rowsTable(scene) + passesTable(scene) + "</section>\n";
 }
 
 std::string pictureData(const std::vector<std::vector<PagePicture>>& pictures) {
@@ -194,8 +195,8 @@ std::string reportPage(const Report& report, const std::vector<std::vector<PageP
       "the "
       "table: root mean squares of errors, geometric means of times, means of bytes.</p><div class=\"panel\">{}</div>\n",
       report.scenes.size(), legend(report));
-  html += charts(normalised(report), "error, of the best single grey's", "") + rowsTable(overall(report)) +
-          "<h2>Where Overcast loses</h2>\n" + lossList(report);
+  html += charts(normalised(report), "error, of the best single grey's") + rowsTable(overall(report)) + "<h2>Where Overcast loses</h2>\n" +
+          lossList(report);
   for (std::size_t i = 0; i < report.scenes.size(); ++i) html += sceneSection(report.scenes[i], i, pictures[i]);
   return html + "</main>\n" + pictureData(pictures) + kPageScript + "</body></html>\n";
 }

@@ -6,8 +6,8 @@
 namespace overcast {
 namespace {
 
-constexpr double kLeastNoise = 0.05;  // of the median
-constexpr double kDriftShare = 0.9;   // of the settings
+constexpr double kDriftShare = 0.9;  // of settings or rounds
+constexpr int kPolishes = 8;
 
 bool restsWhileStill(const std::string& pass) {
   return pass == "composite" || pass == "pyramid";
@@ -31,7 +31,10 @@ double percentile(std::vector<double> values, double share) {
 
 ReportTime timeOf(const std::vector<double>& milliseconds) {
   ReportTime time{median(milliseconds), percentile(milliseconds, 0.95), 0.0, static_cast<int>(milliseconds.size())};
-  time.noise = std::max(time.p95 - percentile(milliseconds, 0.05), kLeastNoise * time.median);
+  std::vector<double> distances;
+  for (const double value : milliseconds) distances.push_back(std::abs(value - time.median));
+  const double quartile = std::max(time.median - percentile(milliseconds, 0.25), percentile(milliseconds, 0.75) - time.median);
+  time.noise = std::max(1.4826 * median(std::move(distances)), quartile * std::sqrt(time.rounds) / (kConfidence * kMedianSpread));
   return time;
 }
 
@@ -62,16 +65,50 @@ RoundTimes timesOf(const std::vector<std::vector<PassTime>>& rounds, const std::
   return times;
 }
 
-void addDrift(Report& report, const std::vector<double>& ratios) {
-  std::vector<double> differences;
-  for (const double ratio : ratios) differences.push_back(std::abs(std::log(ratio)));
-  report.drift = percentile(differences, kDriftShare);
-  const auto widen = [&](ReportTime& time) { time.noise = std::hypot(time.noise, report.drift * time.median); };
+std::vector<double> roundFactors(const std::vector<std::vector<double>>& rounds) {
+  const std::size_t count = rounds.empty() ? 0 : rounds[0].size();
+  std::vector<double> own(rounds.size(), 0.0), slow(count, 0.0);
+  const auto rest = [&](std::size_t i, std::size_t r) { return std::log(rounds[i][r]) - own[i] - slow[r]; };
+  for (int polish = 0; polish < kPolishes; ++polish) {
+    for (std::size_t i = 0; i < rounds.size(); ++i) {
+      std::vector<double> rests;
+      for (std::size_t r = 0; r < count; ++r)
+        if (rounds[i][r] > 0.0) rests.push_back(rest(i, r));
+      own[i] += median(std::move(rests));
+    }
+    for (std::size_t r = 0; r < count; ++r) {
+      std::vector<double> rests;
+      for (std::size_t i = 0; i < rounds.size(); ++i)
+        if (rounds[i][r] > 0.0) rests.push_back(rest(i, r));
+      slow[r] += median(std::move(rests));
+    }
+  }
+  const double typical = median(slow);
+  for (double& factor : slow) factor = std::exp(factor - typical);
+  return slow;
+}
+
+void stateNoise(Report& report, const std::vector<double>& factors, const std::vector<double>& ratios) {
+  const double common = ratios.empty() ? 1.0 : median(ratios);
+  std::vector<double> drifts, differences, scatters;
+  for (const double factor : factors) drifts.push_back(std::abs(std::log(factor)));
+  for (const double ratio : ratios) differences.push_back(std::abs(std::log(ratio / common)));
+  report.drift = std::max(percentile(drifts, kDriftShare), std::abs(std::log(common)));
+  const double repeated = percentile(differences, kDriftShare);
+  for (const ReportScene& scene : report.scenes)
+    for (const ReportRow& row : scene.rows)
+      if (row.still.median > 0.0) scatters.push_back(row.still.noise / row.still.median);
+  const double typical = median(scatters);
+  const auto state = [&](ReportTime& time) {
+    const double scatter = std::max(time.noise, typical * time.median);
+    const double ofMedian = kMedianSpread * scatter / std::sqrt(std::max(time.rounds, 1));
+    time.noise = std::hypot(kConfidence * ofMedian, repeated * time.median);
+  };
   for (ReportScene& scene : report.scenes) {
     for (ReportRow& row : scene.rows) {
-      widen(row.frame);
-      widen(row.still);
-      for (ReportPass& pass : row.passes) widen(pass.time);
+      state(row.frame);
+      state(row.still);
+      for (ReportPass& pass : row.passes) state(pass.time);
     }
   }
 }

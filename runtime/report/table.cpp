@@ -1,6 +1,7 @@
 #include "runtime/report/table.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "runtime/report/as_printed.h"
 #include "runtime/technique.h"
@@ -130,9 +131,10 @@ std::string summaryMarkdown(const Report& report) {
   const ReportScene all = overall(report);
   std::string text = fmt::format(
       "{} ({}). RMSE of sky visibility at {}x{} pixels; milliseconds at {}x{}, medians of up to {} rounds, `frame` while everything moves, "
-      "`still` while nothing does. Over {} scenes: errors as root mean squares, times as geometric means.{}\n\n",
+      "`still` while nothing does. Over {} scenes: errors as root mean squares, times as geometric means. All times "
+      "together may differ by {:.0f} % from run to run, as the device was as busy.{}\n\n",
       report.device, report.driver, report.width, report.height, report.timedWidth, report.timedHeight, report.rounds, report.scenes.size(),
-      report.leftOut.empty() ? "" : " Left out: " + report.leftOut + ".");
+      100.0 * std::expm1(report.drift), report.leftOut.empty() ? "" : " Left out: " + report.leftOut + ".");
   return text + overallTable(all) + "\n" + sceneTable(report) + "\n" + tapsTable(report) + "\n" + lossTexts(report);
 }
 

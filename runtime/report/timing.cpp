@@ -9,37 +9,59 @@ namespace {
 /// A candidate or field and what its frames took.
 struct Timed {
   Candidate* candidate;
-  bool field;  ///< only its composite counts
-  std::vector<std::vector<PassTime>> rounds;
-  double milliseconds = 0.0;
+  bool field;                                 ///< only its composite counts
+  std::vector<std::vector<PassTime>> rounds;  ///< empty where it does not draw
+  int wanted = 0;                             ///< rounds
 };
 
-bool isDone(const Timed& timed, const TimingSettings& settings) {
-  const auto rounds = static_cast<int>(timed.rounds.size());
-  return rounds >= settings.rounds || (rounds >= settings.leastRounds && timed.milliseconds >= 1e3 * settings.seconds);
+/// Of all passes, or of a field's composite.
+double milliseconds(const std::vector<PassTime>& passes, bool field) {
+  double sum = 0.0;
+  for (const PassTime& pass : passes)
+    if (!pass.skipped && (!field || pass.name == "composite")) sum += pass.milliseconds;
+  return sum;
 }
 
-Result<Done> drawOne(Bench& bench, Timed& timed, const ReferenceInfo& info, bool counts) {
+Result<std::vector<PassTime>> drawOne(Bench& bench, Timed& timed, const ReferenceInfo& info) {
   if (timed.field) timed.candidate->renderer.composite.fresh = true;
-  auto frame = renderCandidate(bench.device, *timed.candidate, bench.scene, info.time, info.view);
+  return renderCandidate(bench.device, *timed.candidate, bench.scene, info.time, info.view);
+}
+
+/// A frame that does not count but tells how many will.
+Result<Done> warmUp(Bench& bench, Timed& timed, const ReferenceInfo& info, const TimingSettings& settings) {
+  const auto frame = drawOne(bench, timed, info);
   if (!frame) return frame.error();
-  if (!counts) return Done{};
-  for (const PassTime& pass : frame.value())
-    if (!pass.skipped) timed.milliseconds += pass.milliseconds;
-  timed.rounds.push_back(std::move(frame).value());
+  timed.wanted = roundsOf(milliseconds(frame.value(), timed.field), settings);
+  timed.rounds.resize(static_cast<std::size_t>(settings.rounds));
   return Done{};
 }
 
-/// A round of all that are not done; false where there was none.
-Result<bool> drawRound(Bench& bench, std::vector<Timed>& all, const ReferenceInfo& info, const TimingSettings& settings, int round) {
-  bool drew = false;
+Result<Done> drawRound(Bench& bench, std::vector<Timed>& all, const ReferenceInfo& info, int round) {
   for (std::size_t step = 0; step < all.size(); ++step) {
     Timed& timed = all[round % 2 == 0 ? step : all.size() - 1 - step];
-    if (isDone(timed, settings)) continue;
-    drew = true;
-    if (const auto drawn = drawOne(bench, timed, info, true); !drawn) return drawn.error();
+    std::vector<PassTime>& passes = timed.rounds[static_cast<std::size_t>(round)];
+    if (!drawsIn(round, timed.wanted, static_cast<int>(timed.rounds.size()))) continue;
+    auto frame = drawOne(bench, timed, info);
+    if (!frame) return frame.error();
+    passes = std::move(frame).value();
   }
-  return drew;
+  return Done{};
+}
+
+/// Divides all times by the factor of their round, drops rounds in which a candidate did not draw, and returns the factors.
+std::vector<double> evenOut(std::vector<Timed>& all) {
+  std::vector<std::vector<double>> rounds;
+  for (const Timed& timed : all) {
+    rounds.emplace_back();
+    for (const auto& passes : timed.rounds) rounds.back().push_back(milliseconds(passes, timed.field));
+  }
+  const std::vector<double> factors = roundFactors(rounds);
+  for (Timed& timed : all) {
+    for (std::size_t round = 0; round < factors.size(); ++round)
+      for (PassTime& pass : timed.rounds[round]) pass.milliseconds /= factors[round];
+    std::erase_if(timed.rounds, [](const auto& passes) { return passes.empty(); });
+  }
+  return factors;
 }
 
 std::vector<double> compositeTimes(const Timed& timed) {
@@ -52,34 +74,40 @@ std::vector<double> compositeTimes(const Timed& timed) {
 
 }  // namespace
 
-Result<std::vector<RoundTimes>> timeCandidates(Bench& bench, const TruthPicture& truth, const TimingSettings& settings) {
+int roundsOf(double milliseconds, const TimingSettings& settings) {
+  const int most = std::max(settings.rounds, 1), least = std::min(settings.leastRounds, most);
+  const double within = 1e3 * settings.seconds / std::max(milliseconds, 1e-6);
+  return within >= most ? most : std::max(static_cast<int>(within), least);
+}
+
+bool drawsIn(int round, int wanted, int rounds) {
+  return (round + 1) * wanted / rounds > round * wanted / rounds;
+}
+
+Result<Timing> timeCandidates(Bench& bench, const TruthPicture& truth, const TimingSettings& settings) {
   const ReferenceInfo& info = truth.reference.info;
   std::vector<Timed> all;
-  for (auto& [resolution, field] : bench.fields) all.push_back({&field, true, {}, 0.0});
+  for (auto& [resolution, field] : bench.fields) all.push_back({&field, true, {}});
   for (Candidate& candidate : bench.candidates) {
     const auto resized = resizeFrames(bench.device, candidate.renderer, settings.width, settings.height);
     if (!resized) return resized.error();
-    all.push_back({&candidate, false, {}, 0.0});
+    all.push_back({&candidate, false, {}});
   }
-  if (const auto moved = moveFields(bench, truth); !moved) return moved.error();
   for (Timed& timed : all)
-    if (!timed.field)
-      if (const auto warm = drawOne(bench, timed, info, false); !warm) return warm.error();
-  for (int round = 0;; ++round) {
-    const auto drew = drawRound(bench, all, info, settings, round);
-    if (!drew) return drew.error();
-    if (!drew.value()) break;
-  }
+    if (const auto warm = warmUp(bench, timed, info, settings); !warm) return warm.error();
+  for (int round = 0; round < settings.rounds; ++round)
+    if (const auto drawn = drawRound(bench, all, info, round); !drawn) return drawn.error();
+  Timing timing{{}, evenOut(all)};
   std::map<int, std::vector<double>> composites;
-  std::vector<RoundTimes> times;
   for (const Timed& timed : all) {
     const SweepSetting& setting = timed.candidate->setting;
     if (timed.field)
       composites[setting.resolution] = compositeTimes(timed);
     else
-      times.push_back(timesOf(timed.rounds, readsVolume(setting.technique) ? composites[setting.resolution] : std::vector<double>()));
+      timing.times.push_back(
+          timesOf(timed.rounds, readsVolume(setting.technique) ? composites[setting.resolution] : std::vector<double>()));
   }
-  return times;
+  return timing;
 }
 
 }  // namespace overcast

@@ -15,6 +15,7 @@
 #include "runtime/report/statistics.h"
 #include "runtime/report/sweep.h"
 #include "runtime/report/table.h"
+#include "runtime/report/timing.h"
 
 namespace overcast {
 namespace {
@@ -43,6 +44,13 @@ Report reportOf(const std::vector<ReportRow>& rows) {
   return report;
 }
 
+std::vector<std::string> changesOf(const Report& before, const Report& after) {
+  std::vector<std::string> found;
+  for (const Change& change : compareReports(before, after).changes)
+    found.push_back(fmt::format("{} {} {}", change.setting, change.figure, change.worse ? "worse" : "better"));
+  return found;
+}
+
 TEST(ReportStatistics, AreOfSortedRounds) {
   EXPECT_EQ(median({3.0, 1.0, 2.0}), 2.0);
   EXPECT_EQ(median({4.0, 1.0, 2.0, 3.0}), 2.5);
@@ -53,8 +61,11 @@ TEST(ReportStatistics, AreOfSortedRounds) {
   EXPECT_EQ(percentile({7.0}, 0.05), 7.0);
   const ReportTime time = timeOf(hundred);
   EXPECT_EQ(time.median, 50.5);
-  EXPECT_EQ(time.noise, 90.0);
-  EXPECT_DOUBLE_EQ(timeOf({10.0, 10.0, 10.0}).noise, 0.5) << "no clock is better than 5 %";
+  EXPECT_EQ(time.p95, 95.0);
+  EXPECT_DOUBLE_EQ(kConfidence * kMedianSpread * time.noise / 10.0, 25.5) << "to the farther quartile";
+  EXPECT_DOUBLE_EQ(timeOf({10.0, 11.0, 9.0, 10.5, 900.0}).noise, 1.4826 * 0.5) << "one that was disturbed";
+  const ReportTime disturbed = timeOf({10.0, 14.0, 14.1});
+  EXPECT_DOUBLE_EQ(kConfidence * kMedianSpread * disturbed.noise / std::sqrt(3.0), 4.0) << "two of three";
 }
 
 TEST(ReportStatistics, LeaveCompositeAndPyramidOutWhileStill) {
@@ -83,14 +94,106 @@ TEST(ReportStatistics, AddACompositeThatWasTimedForAll) {
   EXPECT_GE(times.frame.noise, times.passes[0].time.noise);
 }
 
-TEST(ReportStatistics, WidenNoiseByWhatTheMachineDrifts) {
+TEST(ReportStatistics, TellsTheMachineFromTheSettings) {
+  const std::vector<double> slow{1.0, 1.0, 2.0, 0.9, 1.0, 5.0, 1.0};
+  std::vector<std::vector<double>> rounds;
+  for (const double own : {3.0, 70.0, 0.2, 900.0, 11.0}) {
+    rounds.emplace_back();
+    for (const double factor : slow) rounds.back().push_back(own * factor);
+  }
+  rounds[1][0] = rounds[1][2] = rounds[3][1] = rounds[3][5] = 0.0;  // did not draw
+  rounds[2][4] *= 8.0;                                              // alone disturbed
+  const std::vector<double> factors = roundFactors(rounds);
+  for (std::size_t i = 0; i < slow.size(); ++i) EXPECT_NEAR(factors[i], slow[i], 1e-9) << i;
+  EXPECT_TRUE(roundFactors({}).empty());
+  EXPECT_EQ(roundFactors({{0.0, 0.0}}), (std::vector<double>{1.0, 1.0}));
+}
+
+TEST(ReportStatistics, TellsDriftFromWhatRepeatsOtherwise) {
   Report report = reportOf({row("a", 0.1, 10.0)});
-  addDrift(report, {});
-  EXPECT_EQ(report.drift, 0.0);
-  EXPECT_DOUBLE_EQ(report.scenes[0].rows[0].frame.noise, 1.0) << "as it was";
-  addDrift(report, {1.1, 1.0 / 1.1});
-  EXPECT_NEAR(report.drift, std::log(1.1), 1e-12) << "faster or slower is the same";
-  EXPECT_NEAR(report.scenes[0].rows[0].frame.noise, std::hypot(1.0, 10.0 * std::log(1.1)), 1e-9);
+  Report steady = report;
+  stateNoise(steady, {}, {});
+  EXPECT_EQ(steady.drift, 0.0);
+  stateNoise(report, {1.0, 1.0}, {1.1 * 1.3, 1.3 / 1.1, 1.3, 1.3});
+  EXPECT_NEAR(report.drift, std::log(1.3), 1e-12) << "all took longer";
+  EXPECT_NEAR(report.scenes[0].rows[0].frame.noise, std::hypot(steady.scenes[0].rows[0].frame.noise, 10.0 * std::log(1.1)), 1e-9);
+  stateNoise(steady, {1.0, 2.0, 0.5, 1.0}, {1.0});
+  EXPECT_NEAR(steady.drift, std::log(2.0), 1e-12) << "rounds differed";
+}
+
+/// A run of a machine: every setting takes its time in rounds that scatter, some of them disturbed, under a load that goes up and down and
+/// differs from run to run.
+Report simulatedRun(std::mt19937& random, const std::vector<double>& settings, double slower, double load) {
+  std::normal_distribution<double> normal(0.0, 1.0);
+  std::bernoulli_distribution disturbed(0.05);
+  const TimingSettings timing;
+  const auto session = [&] {
+    const double level = load * normal(random);
+    std::vector<std::vector<double>> rounds(settings.size(), std::vector<double>(static_cast<std::size_t>(timing.rounds), 0.0));
+    for (int round = 0; round < timing.rounds; ++round) {
+      const double busy = std::exp(level + load * normal(random));
+      for (std::size_t i = 0; i < settings.size(); ++i)
+        if (drawsIn(round, roundsOf(settings[i], timing), timing.rounds))
+          rounds[i][static_cast<std::size_t>(round)] =
+              settings[i] * (i == 0 ? slower : 1.0) * busy * (1.0 + 0.02 * normal(random)) * (disturbed(random) ? 1.4 : 1.0);
+    }
+    return rounds;
+  };
+  const auto timed = [&](std::vector<std::vector<double>> rounds, std::vector<double>& factors) {
+    factors = roundFactors(rounds);
+    std::vector<ReportTime> times;
+    for (std::vector<double>& own : rounds) {
+      for (std::size_t i = 0; i < own.size(); ++i) own[i] /= factors[i];
+      std::erase(own, 0.0);
+      times.push_back(timeOf(own));
+    }
+    return times;
+  };
+  std::vector<double> factors, unused, ratios;
+  const std::vector<ReportTime> first = timed(session(), factors), again = timed(session(), unused);
+  std::vector<ReportRow> rows;
+  for (std::size_t i = 0; i < settings.size(); ++i) {
+    rows.push_back(row(fmt::format("{}", i), 0.1, settings[i]));
+    rows.back().frame = rows.back().still = first[i];
+    ratios.push_back(again[i].median / first[i].median);
+  }
+  Report report = reportOf(rows);
+  stateNoise(report, factors, ratios);
+  return report;
+}
+
+TEST(ReportNoise, HoldsTwoRunsOfTheSameAndShowsAFifthMore) {
+  std::mt19937 random(5);
+  std::vector<double> settings;
+  for (int i = 0; i < 200; ++i) settings.push_back(10.0 * std::exp(0.02 * i));
+  for (const double load : {0.005, 0.2}) {
+    int failed = 0, missed = 0;
+    constexpr int kRuns = 50;
+    for (int run = 0; run < kRuns; ++run) {
+      const Report before = simulatedRun(random, settings, 1.0, load);
+      if (regressed(compareReports(before, simulatedRun(random, settings, 1.0, load)))) ++failed;
+      const auto changes = changesOf(before, simulatedRun(random, settings, 1.2, load));
+      if (std::find(changes.begin(), changes.end(), "0 still ms worse") == changes.end()) ++missed;
+    }
+    EXPECT_LE(failed, 5) << "of " << kRuns << " pairs of runs, 200 settings each, in which nothing changed; load " << load;
+    EXPECT_LE(missed, 5) << "in which one setting of 200 takes a fifth more; load " << load;
+  }
+}
+
+TEST(ReportTiming, GivesSlowSettingsFewerRoundsEvenlySpread) {
+  const TimingSettings settings{.rounds = 9, .leastRounds = 3, .seconds = 0.5};
+  EXPECT_EQ(roundsOf(1.0, settings), 9);
+  EXPECT_EQ(roundsOf(100.0, settings), 5);
+  EXPECT_EQ(roundsOf(5000.0, settings), 3);
+  EXPECT_EQ(roundsOf(0.0, settings), 9);
+  EXPECT_EQ(roundsOf(5000.0, {.rounds = 2, .leastRounds = 3}), 2) << "never more than are asked for";
+  for (int wanted = 1; wanted <= 9; ++wanted) {
+    std::vector<int> drawn;
+    for (int round = 0; round < 9; ++round)
+      if (drawsIn(round, wanted, 9)) drawn.push_back(round);
+    ASSERT_EQ(static_cast<int>(drawn.size()), wanted);
+    for (std::size_t i = 1; i < drawn.size(); ++i) EXPECT_LE(std::abs(drawn[i] - drawn[i - 1] - 9.0 / wanted), 1.0) << wanted;
+  }
 }
 
 RC_GTEST_PROP(ParetoFront, HoldsJustWhatNothingBeats, (const std::vector<std::pair<std::uint8_t, std::uint8_t>>& figures)) {
@@ -180,13 +283,6 @@ TEST(ReportOverall, TakesMeansOfWhatAllScenesHave) {
   EXPECT_TRUE(overall(Report{}).rows.empty());
 }
 
-std::vector<std::string> changesOf(const Report& before, const Report& after) {
-  std::vector<std::string> found;
-  for (const Change& change : compareReports(before, after).changes)
-    found.push_back(fmt::format("{} {} {}", change.setting, change.figure, change.worse ? "worse" : "better"));
-  return found;
-}
-
 TEST(ReportCompare, IsQuietWithinTheNoiseOfBoth) {
   const Report before = reportOf({row("a", 0.1, 10.0), row("b", 0.2, 1.0)});
   EXPECT_FALSE(regressed(compareReports(before, before)));
@@ -198,6 +294,22 @@ TEST(ReportCompare, IsQuietWithinTheNoiseOfBoth) {
   EXPECT_THAT(changesOf(before, after), ElementsAre("a frame ms worse"));
   EXPECT_TRUE(regressed(compareReports(before, after)));
   EXPECT_FALSE(regressed(compareReports(after, before))) << "it got better";
+}
+
+TEST(ReportCompare, TellsABusierDeviceFromASlowerSetting) {
+  std::vector<ReportRow> rows;
+  for (int i = 0; i < 10; ++i) rows.push_back(row(fmt::format("{}", i), 0.1, 10.0 + i));
+  Report before = reportOf(rows);
+  before.drift = 0.1;
+  Report after = before;
+  for (ReportRow& changed : after.scenes[0].rows) changed.still.median *= 1.15, changed.frame.median *= 1.15;
+  EXPECT_THAT(changesOf(before, after), ElementsAre()) << "within the drift of both";
+  after.scenes[0].rows[3].still.median *= 1.3;
+  EXPECT_THAT(changesOf(before, after), ElementsAre("3 still ms worse"));
+  EXPECT_THAT(comparisonText(compareReports(before, after)), HasSubstr("(+30.0 % beside a common factor of 1.15"));
+  for (ReportRow& changed : after.scenes[0].rows) changed.still.median *= 1.3, changed.frame.median *= 1.3;
+  EXPECT_THAT(changesOf(before, after), ElementsAre("all settings speed worse", "3 still ms worse"));
+  EXPECT_TRUE(regressed(compareReports(before, after)));
 }
 
 TEST(ReportCompare, SeesErrorBytesAndWhatIsGone) {
