@@ -29,19 +29,20 @@ double interpolate(const Volume& volume, const glm::dvec3& u) {
   return near * (1.0 - t.z) + far * t.z;
 }
 
-/// Squared norm of the largest differences along the edges of one cell.
+/// Largest squared norm of the gradient within one cell, times the squared voxel size. Along each axis one component of a trilinear
+/// function's gradient is constant and the others are linear, so that the squared norm is convex: it is largest at a corner, where the
+/// gradient is made of the differences along the corner's three edges.
 double squaredSlope(const Volume& volume, int i, int j, int k) {
   std::array<double, 8> corner{};
   for (int c = 0; c < 8; ++c)
     corner[static_cast<std::size_t>(c)] = volume.distance[sampleIndex(volume, i + (c & 1), j + ((c >> 1) & 1), k + (c >> 2))];
-  double sum = 0.0;
-  for (const std::size_t axis : {1u, 2u, 4u}) {
-    double largest = 0.0;
-    for (std::size_t c = 0; c < 8; ++c)
-      if ((c & axis) == 0) largest = std::max(largest, std::abs(corner[c | axis] - corner[c]));
-    sum += largest * largest;
+  double largest = 0.0;
+  for (std::size_t c = 0; c < 8; ++c) {
+    double sum = 0.0;
+    for (const std::size_t axis : {1u, 2u, 4u}) sum += (corner[c ^ axis] - corner[c]) * (corner[c ^ axis] - corner[c]);
+    largest = std::max(largest, sum);
   }
-  return sum;
+  return largest;
 }
 
 /// The smallest float of 4 significant bits, 127 of which reach `largest`: 7 bits times 4 are 11, which half floats hold exactly.

@@ -51,10 +51,9 @@ double sampleVolume(const Volume& volume, const glm::dvec3& point);
 
 /// A Lipschitz constant over all of space of sampleVolume's lower bound: sampleVolume itself within the box, c = 0 beyond it, where c's own
 /// slope has no useful bound. The composite's culling margin uses it (DESIGN 5.2); the upper bound, c = 1, has sqrt(1 + L^2).
-/// Within a cell the gradient's components are bounded by the cell's largest edge difference along each axis; L is the largest Euclidean
-/// norm of these three over all cells, at most sqrt(3) for exact distances. Outside the box the gradient joins 1 along p - q with the one
-/// at q, at a right angle: max(1, L) suffices where phi(q) >= 0, sqrt(1 + L^2) is needed when a sample of the border is negative. Never
-/// below 1.
+/// L is the largest norm of the gradient over all cells, at most sqrt(3) for exact distances. Outside the box the gradient joins 1 along p
+/// - q with the one at q, at a right angle: max(1, L) suffices where phi(q) >= 0, sqrt(1 + L^2) is needed when a sample of the border is
+/// negative. Never below 1.
 double lipschitzBound(const Volume& volume);
 
 /// Precision of the values, on disk and on the device.

@@ -1,6 +1,10 @@
 #include "runtime/asset_store.h"
 
+#include <optional>
+
 #include <fmt/format.h>
+
+#include "runtime/resample.h"
 
 namespace overcast {
 namespace {
@@ -43,17 +47,25 @@ Result<GpuBuffer> uploadTexels(const Device& device, std::vector<glm::vec2>& tex
 
 }  // namespace
 
-Result<AssetStore> makeAssetStore(const Device& device, std::span<const Asset> assets, AtlasBits bits) {
+Result<AssetStore> makeAssetStore(const Device& device, std::span<const Asset> assets, AtlasBits bits, std::span<const double> voxels) {
   AssetStore store;
   Contents contents;
-  for (const Asset& asset : assets) store.entries.push_back(std::visit([&](const auto& kind) { return add(kind, contents); }, asset));
+  std::vector<std::optional<Resampled>> volumes(assets.size());
+  if (!voxels.empty()) volumes = resampledAll(assets, voxels, static_cast<int>(device.properties.limits.maxImageDimension3D));
+  for (std::size_t i = 0; i < assets.size(); ++i) {
+    store.entries.push_back(volumes[i] ? add(volumes[i]->volume, contents)
+                                       : std::visit([&](const auto& kind) { return add(kind, contents); }, assets[i]));
+  }
   store.kinds = contents.kinds;
   Result<Atlas> atlas = makeAtlas(device, contents.volumes, bits);
   if (!atlas) return atlas.error();
   store.atlas = std::move(atlas).value();
   auto packed = store.atlas.entries.begin();
-  for (AssetEntry& entry : store.entries)
-    if (std::holds_alternative<AtlasEntry>(entry)) entry = *packed++;
+  for (std::size_t i = 0; i < store.entries.size(); ++i)
+    if (std::holds_alternative<AtlasEntry>(store.entries[i])) {
+      if (volumes[i]) packed->axes = volumes[i]->localFromVolume;
+      store.entries[i] = *packed++;
+    }
   Result<GpuBuffer> fields = uploadTexels(device, contents.texels);
   if (!fields) {
     destroyAssetStore(device, store);

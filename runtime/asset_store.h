@@ -27,8 +27,11 @@ struct AssetStore {
   std::vector<AssetEntry> entries;  ///< one for each asset, in the order given
 };
 
-/// Packs and uploads; waits. An Error when the device cannot hold all.
-Result<AssetStore> makeAssetStore(const Device& device, std::span<const Asset> assets, AtlasBits bits = AtlasBits::half);
+/// Packs and uploads; waits. `voxels` has for each asset the size of a global voxel in local units where it is placed largest
+/// (finestVoxels): radius fields and heightfields become volumes of that detail (resample.h). Empty: everything stays what it is. An Error
+/// when the device cannot hold all.
+Result<AssetStore> makeAssetStore(const Device& device, std::span<const Asset> assets, AtlasBits bits = AtlasBits::half,
+                                  std::span<const double> voxels = {});
 void destroyAssetStore(const Device& device, AssetStore& store);
 
 /// The record of an asset placed by `worldFromLocal` (composite_object.h).

@@ -175,6 +175,7 @@ Result<GpuImage> makeAtlasImage(const Device& device, std::span<const Volume* co
                            volume.voxelSize,
                            std::nextafter(static_cast<float>(lipschitzBound(scaled)), 1e30f),
                            lowestBorder(scaled),
+                           *std::max_element(scaled.distance.begin(), scaled.distance.end()),
                            snorm8,
                            snorm8 ? 127.0 * double{volume.step} / volume.voxelSize : 1.0};
   }

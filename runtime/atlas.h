@@ -11,6 +11,7 @@
 #include <span>
 #include <vector>
 
+#include <glm/mat3x3.hpp>
 #include <glm/vec3.hpp>
 
 #include "formats/result.h"
@@ -44,12 +45,14 @@ Result<AtlasLayout> packAtlas(std::span<const glm::ivec3> sizes, const AtlasLimi
 struct AtlasEntry {
   glm::ivec3 offset{0};       ///< first texel
   glm::ivec3 size{0};         ///< samples
-  glm::dvec3 origin{0.0};     ///< local-space position of the first sample
+  glm::dvec3 origin{0.0};     ///< position of the first sample along the volume's axes
   double voxelSize = 0.0;     ///< local units
   float lipschitz = 1.0f;     ///< lipschitzBound() of the values as stored
   float lowestBorder = 0.0f;  ///< smallest stored value on the border of the box in local voxels, or 0 when that is positive
+  float highest = 0.0f;       ///< largest stored value, local voxels
   bool snorm8 = false;        ///< in the image of 8 bits
   double unit = 1.0;          ///< local voxels that a stored 1 means
+  glm::dmat3 axes{1.0};       ///< local from the volume's axes, orthonormal: of a volume that was baked they are those of local space
 };
 
 struct Atlas {

@@ -4,6 +4,7 @@
 #include <cstring>
 
 #include "formats/view_options.h"
+#include "runtime/resample.h"
 #include "runtime/sky_light.h"
 #include "runtime/terrain_levels.h"
 
@@ -145,7 +146,8 @@ Result<Done> makeVolume(const Device& device, const RuntimeScene& scene, FrameRe
     renderer.composite.volume = lender->composite.volume;
     return Done{};
   }
-  const Result<Done> stored = take(makeAssetStore(device, scene.assets), renderer.store);
+  const std::vector<double> voxels = renderer.settings.resample ? finestVoxels(scene, renderer.grid) : std::vector<double>{};
+  const Result<Done> stored = take(makeAssetStore(device, scene.assets, AtlasBits::half, voxels), renderer.store);
   if (!stored) return stored;
   const auto objects = static_cast<std::uint32_t>(scene.objects.size());
   return take(makeCompositePass(device, renderer.grid, renderer.store, objects), renderer.composite);

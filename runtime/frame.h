@@ -39,6 +39,7 @@ struct FrameSettings {
   TechniqueSettings technique;
   /// One of kEstimators; else the scene's. One that is no hybrid leaves out the scene's apertures, and with them sun and lamps.
   std::optional<std::string> estimator = {};
+  bool resample = true;     ///< radius fields and heightfields become volumes where there is room (runtime/resample.h)
   double levelError = 1.0;  ///< pixels by which meshes with levels of detail may be off (runtime/terrain_levels.h)
   bool prefilter = true;    ///< taps read the level of the pyramid that their estimator says; else all read the volume itself
 };

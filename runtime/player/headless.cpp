@@ -41,6 +41,7 @@ FrameSettings frameSettings(const PlayerOptions& options) {
   settings.technique = options.technique;
   settings.estimator = options.estimator;
   settings.levelError = options.levelError;
+  settings.resample = options.resample;
   return settings;
 }
 

@@ -161,6 +161,8 @@ ParsedOptions parseOptions(int argc, char** argv) {
   app.add_option("--level-error", options.levelError, "pixels by which terrain may be off for fewer triangles; 0: all triangles")
       ->check(CLI::Range(0.0, 1e3))
       ->capture_default_str();
+  app.add_flag("!--no-resample", options.resample,
+               "composite radius fields and heightfields as they are, not as small volumes made at load: slower, less memory");
   app.add_option("--supersample", options.supersample, "samples per pixel along a side")->check(CLI::Range(1, 8))->capture_default_str();
   try {
     app.parse(argc, argv);

@@ -45,6 +45,7 @@ struct PlayerOptions {
   TechniqueSettings technique;
   std::filesystem::path sky;  ///< an EXR in place of the scene's sky; empty: none
   double levelError = 1.0;
+  bool resample = true;
 };
 
 /// What the command line says, or the exit code when there is nothing to do any more (help was shown, or a usage error reported).

@@ -15,6 +15,12 @@ uint takeEntry(inout uvec4 mask) {
   return 32u * word + uint(findLSB(bits));
 }
 
+// A thread's voxels: two rows apart in y, all four in z.
+const int kThreadVoxels = 8;
+vec3 threadVoxel(int n) {
+  return vec3(0.0f, float(2 * (n & 1)), float(n >> 1));
+}
+
 void main() {
 #ifdef OVERCAST_BRUTE_FORCE
   uint brick = gl_WorkGroupID.x;
@@ -24,39 +30,37 @@ void main() {
   uint count = counts[brick];
 #endif
   uint t = gl_LocalInvocationIndex;
-  uvec2 quadrant = uvec2(t >> 3 & 1u, t >> 4 & 1u);
-  uvec2 within = uvec2(t & 3u, (t >> 2 & 1u) + 2u * (t >> 5));
+  uint octant = t >> 3;
+  uvec3 side = uvec3(octant & 1u, octant >> 1 & 1u, octant >> 2);
+  uvec3 voxel = side * uint(kOctantSide) + uvec3(t & 3u, t >> 2 & 1u, 0u);
   ivec3 corner = brickPosition(brick);
+  vec3 lowest = brickCorner(corner) + vec3(voxel) + 0.5f;
   bool every = count == kBrickOverflow;
   if (every) count = uint(push.bricks.w);
 
-  for (uint storey = 0u; storey < 2u; ++storey) {
-    uvec3 voxel = uvec3(quadrant * uint(kOctantSide) + within, storey * uint(kOctantSide));
-    vec3 lowest = brickCorner(corner) + vec3(voxel) + 0.5f;
-    float column[kOctantSide];
-    for (int z = 0; z < kOctantSide; ++z) column[z] = kFarField;
-    uvec4 mask = every ? uvec4(0u) : masks[8u * brick + quadrant.x + 2u * quadrant.y + 4u * storey];
-    uint next = 0u;
-    // Tested at its end: on devices that run a loop's body under a mask until all threads have left, a test at its start costs one more
-    // turn.
-    bool more = count > 0u;
-    if (more) {
-      do {
-        uint index = next++;
-        more = next < count;
-        if (!every) {
-          index = lists[brick * uint(kBrickCapacity) + takeEntry(mask)].x;
-          more = mask != uvec4(0u);
-        }
-        CompositeObject object = objects[index];
-        if (object.present == 0u) continue;
-        for (int z = 0; z < kOctantSide; ++z) {
-          vec3 local = localPoint(object, vec3(lowest.x, lowest.y, lowest.z + float(z)));
-          column[z] = min(column[z], objectDistance(object, local));
-        }
-      } while (more);
-    }
-    ivec3 at = corner * kBrickSide + ivec3(voxel);
-    for (int z = 0; z < kOctantSide; ++z) imageStore(volume, at + ivec3(0, 0, z), vec4(max(column[z], -kFarField)));
+  float nearest[kThreadVoxels];
+  for (int n = 0; n < kThreadVoxels; ++n) nearest[n] = kFarField;
+  uvec4 mask = every ? uvec4(0u) : masks[8u * brick + octant];
+  uint next = 0u;
+  // Tested at its end: on devices that run a loop's body under a mask until all threads have left, a test at its start costs one more
+  // turn.
+  bool more = count > 0u;
+  if (more) {
+    do {
+      uint index = next++;
+      more = next < count;
+      if (!every) {
+        index = lists[brick * uint(kBrickCapacity) + takeEntry(mask)].x;
+        more = mask != uvec4(0u);
+      }
+      CompositeObject object = objects[index];
+      if (object.present == 0u) continue;
+      for (int n = 0; n < kThreadVoxels; ++n) {
+        vec3 local = localPoint(object, lowest + threadVoxel(n));
+        nearest[n] = min(nearest[n], objectDistance(object, local));
+      }
+    } while (more);
   }
+  ivec3 at = corner * kBrickSide + ivec3(voxel);
+  for (int n = 0; n < kThreadVoxels; ++n) imageStore(volume, at + ivec3(threadVoxel(n)), vec4(max(nearest[n], -kFarField)));
 }

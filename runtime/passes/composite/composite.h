@@ -43,7 +43,7 @@ struct CompositeObject {
   vec4 boxMin;      //  64: xyz: lowest corner of the box, local; w: lowest distance on its border in global voxels, at most 0
   vec4 boxMax;      //  80: xyz: highest corner; w: lipschitz bound of the distance's lower bound, global voxel per global voxel
   vec4 parameters;  //  96: by kind
-  vec4 more;        // 112: by kind
+  vec4 more;        // 112: x: of a kind known within its box alone: no distance in it is above this, global voxels
   uvec4 field;      // 128: by kind: where its texels are in the fields buffer (x: index of the first) and how many
   float slack;      // 144: bound of the error of two evaluations (filtering, rounding), global voxels
   uint kind;        // 148
@@ -128,6 +128,12 @@ OVERCAST_INLINE float upperMargin(CompositeObject object, float upper, float rad
   float slope = object.boxMax.w;
   float reach = (exactEverywhere(object) || isSearched(object) ? slope : sqrt(1.0f + slope * slope)) * radius;
   return reach + object.slack + kRelativeSlack * (abs(upper) + reach);
+}
+
+/// Of an object known within its box alone: a lower bound everywhere within `radius` voxels of a point `gap` voxels beyond the box, which
+/// must be more than `radius`. It does not depend on how steep the distance is within.
+OVERCAST_INLINE float leastBeyondBox(CompositeObject object, float gap, float radius) {
+  return gap + object.boxMin.w - radius - object.slack - kRelativeSlack * (gap + abs(object.boxMin.w) + radius);
 }
 
 OVERCAST_SHARED_END

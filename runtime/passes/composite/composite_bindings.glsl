@@ -92,27 +92,37 @@ float searchedDistance(CompositeObject object, vec3 local) {
   return local == closest ? phi : max(phi, gapBeyondBox(object, local, closest));
 }
 
-// Signed distance in global voxels of the object whose local coordinates are `local` (beyond its box too). Not looking up the second
-// distance where the lower bound is already above the nearest object saves nothing that can be measured.
+// Signed distance in global voxels of the object whose local coordinates are `local` (beyond its box too). A second look for the slope
+// is a second turn of one loop: devices that run both sides of every branch take it only where some thread of a group needs it.
 float objectDistance(CompositeObject object, vec3 local) {
   if (isExact(object)) return exactDistance(object, local);
   if (isSearchedHere(object)) return searchedDistance(object, local);
   vec3 closest = closestInBox(object, local);
+  vec3 direction = outwardStep(local, closest);
   float gap = gapBeyondBox(object, local, closest);
-  precise float phi = boxedDistance(object, closest) * object.axisScale.w;
+  float phi = 0.0f;
   float slope = 0.0f;
-  if (hasDifferenceSlope(object) && gap > 0.0f && phi > 0.0f) {
-    vec3 direction = outwardStep(local, closest);
-    precise float inner = boxedDistance(object, closest - direction) * object.axisScale.w;
-    slope = slopeAlong(object, direction, inner, phi);
-  }
+  vec3 at = closest;
+  bool wanted;
+  int look = 0;
+  do {
+    precise float found = boxedDistance(object, at) * object.axisScale.w;
+    if (look == 0) {
+      phi = found;
+    } else {
+      slope = slopeAlong(object, direction, found, phi);
+    }
+    wanted = look == 0 && hasDifferenceSlope(object) && gap > 0.0f && phi > 0.0f;
+    at = closest - direction;
+    ++look;
+  } while (wanted);
   return extendedDistance(phi, gap, slope);
 }
 
-// A lower and an upper bound of objectDistance, whose growth is bounded (lowerMargin, upperMargin), and an upper bound that grows by at most
-// 1 (kFarField where there is none).
-vec3 objectRange(CompositeObject object, vec3 local) {
-  if (isExact(object)) return vec3(vec2(exactDistance(object, local)), kFarField);
+// A lower and an upper bound of objectDistance, whose growth is bounded (lowerMargin, upperMargin), an upper bound that grows by at most
+// 1 (kFarField where there is none), and how far beyond the box the point is (0 where that bounds nothing).
+vec4 objectRange(CompositeObject object, vec3 local) {
+  if (isExact(object)) return vec4(vec2(exactDistance(object, local)), kFarField, 0.0f);
   vec3 closest = closestInBox(object, local);
   float gap = gapBeyondBox(object, local, closest);
   if (isSearchedHere(object)) {
@@ -120,16 +130,22 @@ vec3 objectRange(CompositeObject object, vec3 local) {
     if (isKind(object, kKindRadius)) found = radiusBounds(OVERCAST_FIELDS_HERE object, local);
     if (isKind(object, kKindHeightField)) found = sheetBounds(OVERCAST_FIELDS_HERE object, local);
     precise vec3 bounds = found * object.axisScale.w;
-    return local == closest ? bounds : max(bounds, vec3(gap));
+    return vec4(local == closest ? bounds : max(bounds, vec3(gap)), 0.0f);
   }
   precise float phi = boxedDistance(object, closest) * object.axisScale.w;
-  return vec3(extendedDistance(phi, gap, 0.0f), gap + phi, kFarField);
+  return vec4(extendedDistance(phi, gap, 0.0f), gap + phi, gap + object.more.x, gap);
 }
 
 // No point within `radius` of the one with this range is further away.
-float farthestWithin(CompositeObject object, vec3 range, float radius) {
+float farthestWithin(CompositeObject object, vec4 range, float radius) {
   float loose = range.z + radius + object.slack + kRelativeSlack * (abs(range.z) + radius);
   return min(range.y + upperMargin(object, range.y, radius), loose);
+}
+
+// None is nearer.
+float nearestWithin(CompositeObject object, vec4 range, float radius) {
+  float lower = range.x - lowerMargin(object, range.x, radius);
+  return range.w > radius ? max(lower, leastBeyondBox(object, range.w, radius)) : lower;
 }
 
 ivec3 brickPosition(uint brick) {

@@ -126,9 +126,8 @@ PlacedObject placeObject(const Box& box, const glm::dmat4& worldFromUnits, const
 }
 
 shared::CompositeObject compositeObject(const AtlasEntry& entry, const glm::dmat4& worldFromLocal, const GlobalGrid& grid) {
-  glm::dmat4 worldFromVoxel = worldFromLocal;
-  for (int axis = 0; axis < 3; ++axis) worldFromVoxel[axis] *= entry.voxelSize;
-  worldFromVoxel[3] = worldFromLocal * glm::dvec4(entry.origin, 1.0);
+  glm::dmat4 worldFromVoxel = worldFromLocal * glm::dmat4(entry.axes * entry.voxelSize);
+  worldFromVoxel[3] = worldFromLocal * glm::dvec4(entry.axes * entry.origin, 1.0);
   PlacedObject placed = placeObject({glm::dvec3(0.0), glm::dvec3(entry.size - 1)}, worldFromVoxel, grid);
   shared::CompositeObject& object = placed.object;
   if (object.present == 0) return object;
@@ -136,6 +135,7 @@ shared::CompositeObject compositeObject(const AtlasEntry& entry, const glm::dmat
   object.parameters = glm::vec4(glm::vec3(entry.offset) + 0.5f, 0.0f);
   object.boxMin.w = static_cast<float>(placed.sigmaMin * entry.lowestBorder);
   object.boxMax.w = entry.lipschitz;
+  object.more.x = static_cast<float>(placed.sigmaMin * entry.highest);
   // Filter weights may have 8 bits: each axis is off by at most 1/256 of a voxel, so the value by sqrt(3) / 256 times the slope.
   const double filtering = std::sqrt(3.0) / 256.0 * placed.sigmaMin;
   object.slack = static_cast<float>(2.0 * (filtering + placed.rounding) * entry.lipschitz);

@@ -44,9 +44,9 @@ uint buildList(vec3 centre) {
     // A bound that needs no texture: no point is nearer than the box, give or take what its border holds.
     float atLeast = gapBeyondBox(object, local, closest) + object.boxMin.w;
     if (local != closest && atLeast - lowerMargin(object, atLeast, kBrickRadius) > best) continue;
-    vec3 range = objectRange(object, local);
+    vec4 range = objectRange(object, local);
     best = min(best, farthestWithin(object, range, kBrickRadius));
-    float lower = range.x - lowerMargin(object, range.x, kBrickRadius);
+    float lower = nearestWithin(object, range, kBrickRadius);
     if (lower > best) continue;
     if (length == uint(kBrickCapacity)) length = compact(length);
     if (length == uint(kBrickCapacity)) return kBrickOverflow;
@@ -61,9 +61,9 @@ uvec4 octantMask(vec3 centre, uint count) {
   best = 3.0e38f;
   for (uint n = 0u; n < count; ++n) {
     CompositeObject object = objects[lists[first + n].x];
-    vec3 range = objectRange(object, localPoint(object, centre));
+    vec4 range = objectRange(object, localPoint(object, centre));
     best = min(best, farthestWithin(object, range, kOctantRadius));
-    lists[first + n].y = floatBitsToUint(range.x - lowerMargin(object, range.x, kOctantRadius));
+    lists[first + n].y = floatBitsToUint(nearestWithin(object, range, kOctantRadius));
   }
   uvec4 mask = uvec4(0u);
   for (uint n = 0u; n < count; ++n)

@@ -57,6 +57,17 @@ std::size_t heightFieldLevel(const HeightFieldEntry& entry, double voxelsPerUnit
   return level;
 }
 
+int heightFieldLevel(const HeightField& field, double voxel) {
+  const auto fits = [&](int level) {
+    const glm::ivec2 size = levelSize(field, level);
+    const glm::dvec2 cell = cellSize(field, level);
+    return std::min(size.x, size.y) >= kMinHeightFieldSide && std::max(cell.x, cell.y) <= voxel;
+  };
+  int level = 0;
+  while (level + 1 < levelCount(field) && fits(level + 1)) ++level;
+  return level;
+}
+
 shared::CompositeObject compositeObject(const HeightFieldEntry& entry, const glm::dmat4& worldFromLocal, const GlobalGrid& grid) {
   glm::dmat4 worldFromUnits = worldFromLocal * glm::dmat4(entry.localFromField * entry.unit);
   worldFromUnits[3] = worldFromLocal * glm::dvec4(entry.origin, 1.0);
@@ -69,6 +80,7 @@ shared::CompositeObject compositeObject(const HeightFieldEntry& entry, const glm
   object.field = {level.front, level.back, static_cast<std::uint32_t>(level.size.x), static_cast<std::uint32_t>(level.size.y)};
   object.parameters = glm::vec4(glm::dvec4(2.0 * half.x / level.size.x, 2.0 * half.y / level.size.y, 1.0 / level.lipschitz, level.highest));
   object.boxMax.w = level.lipschitz;
+  object.more.x = static_cast<float>((half.z + level.highest) * placed.sigmaMin);
   const double evaluation = kHeightRounding * half.z * placed.sigmaMin;
   object.slack = static_cast<float>(2.0 * (placed.rounding * static_cast<double>(level.lipschitz) + evaluation));
   return object;

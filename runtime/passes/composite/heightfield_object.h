@@ -40,6 +40,9 @@ HeightFieldEntry addHeightField(const HeightField& field, std::vector<glm::vec2>
 /// finest. `voxelsPerUnit`: smallest singular value of the transform from `unit`s to global voxels.
 std::size_t heightFieldLevel(const HeightFieldEntry& entry, double voxelsPerUnit);
 
+/// The same of a field on the host, `voxel` the size of a global voxel in local units.
+int heightFieldLevel(const HeightField& field, double voxel);
+
 /// The record of a heightfield placed by `worldFromLocal` (affine).
 shared::CompositeObject compositeObject(const HeightFieldEntry& entry, const glm::dmat4& worldFromLocal, const GlobalGrid& grid);
 

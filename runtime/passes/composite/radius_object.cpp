@@ -12,18 +12,20 @@ namespace {
 /// and a direction that is off by a few ulps, which the Lipschitz bound turns into distance.
 constexpr double kRounding = 32.0 * 0x1p-24;
 
-const RadiusLevelEntry& levelFor(const RadiusEntry& entry, double voxelsPerUnit) {
+/// The coarsest level whose texels, `unit` voxels from the centre, are narrow enough.
+template <class Level>
+std::size_t levelFor(const std::vector<Level>& levels, double unit) {
   constexpr double kWidest = 0.5;  // global voxels
   std::size_t chosen = 0;
-  while (chosen + 1 < entry.levels.size()) {
-    const double texel = 0.5 * std::numbers::pi / (entry.levels[chosen + 1].side - 1);
-    if (texel * voxelsPerUnit > kWidest) break;
-    ++chosen;
-  }
-  return entry.levels[chosen];
+  while (chosen + 1 < levels.size() && 0.5 * std::numbers::pi / (levels[chosen + 1].side - 1) * unit <= kWidest) ++chosen;
+  return chosen;
 }
 
 }  // namespace
+
+int radiusLevel(const RadiusField& field, double voxel) {
+  return static_cast<int>(levelFor(field.levels, field.levels.front().largest / voxel));
+}
 
 RadiusEntry packRadius(const RadiusField& field, std::vector<glm::vec2>& texels) {
   RadiusEntry entry{field.centre, field.levels.front().largest, {}};
@@ -51,7 +53,7 @@ shared::CompositeObject compositeObject(const RadiusEntry& entry, const glm::dma
   for (int axis = 0; axis < 3; ++axis) worldFromUnits[axis] *= entry.unit;
   worldFromUnits[3] = worldFromLocal * glm::dvec4(entry.centre, 1.0);
   if (placeObject(entry.levels.front().box, worldFromUnits, grid).object.present == 0) return {};
-  const RadiusLevelEntry& level = levelFor(entry, singularValues(glm::dmat3(worldFromUnits) / grid.voxelSize).x);
+  const RadiusLevelEntry& level = entry.levels[levelFor(entry.levels, singularValues(glm::dmat3(worldFromUnits) / grid.voxelSize).x)];
   PlacedObject placed = placeObject(level.box, worldFromUnits, grid);
   shared::CompositeObject& object = placed.object;
   if (object.present == 0) return {};

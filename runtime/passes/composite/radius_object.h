@@ -34,8 +34,12 @@ struct RadiusEntry {
 /// Appends the texels (radius and slope in units) of all levels, finest first, to `texels`.
 RadiusEntry packRadius(const RadiusField& field, std::vector<glm::vec2>& texels);
 
-/// The record of a radius field placed by `worldFromLocal` (affine), of the coarsest level whose texels, at the largest radius and scale,
-/// are at most half a global voxel wide: finer ones hold what the global volume cannot.
+/// The level that a radius field is composited from: the coarsest whose texels, at the largest radius, are at most half a global voxel
+/// wide; `voxel` is the size of a global voxel in local units.
+int radiusLevel(const RadiusField& field, double voxel);
+
+/// The record of a radius field placed by `worldFromLocal` (affine), of the level that suits its largest scale: finer ones hold what the
+/// global volume cannot.
 shared::CompositeObject compositeObject(const RadiusEntry& entry, const glm::dmat4& worldFromLocal, const GlobalGrid& grid);
 
 }  // namespace overcast
