@@ -25,10 +25,10 @@ struct AreaLight {
   int node = -1;             ///< index into Scene::nodes: the light moves with it; -1: it stays where it is
 };
 
-/// Cones of the estimators `cones` and `traced` (DESIGN 5.4), the latter with `directions` only: of each, the least of clamp(phi / (d
-/// spread) + bias) over its taps.
+/// Cones of the estimators `cones` and `traced` (DESIGN 5.4). Of `cones` each is as open as the least of clamp(phi / (d spread) + bias)
+/// over its taps. `traced` has `directions` only: so many in each pixel, of sixteen times as many that neighbours share.
 struct SkyCones {
-  int directions = 7;   ///< 1 to 64, over the hemisphere about the normal, each standing for the same share of the cosine
+  int directions = 7;   ///< 1 to 64 for each pixel, over the hemisphere about the normal, each for the same share of the cosine
   float spread = 0.5f;  ///< above 0: width of a cone per distance
   float bias = 0.0f;    ///< 0 to 1: what is left of a cone whose axis just touches
   float power = 0.7f;   ///< above 0: of their mean
@@ -53,7 +53,7 @@ struct Estimator {
   /// fitted to generated scenes for 4 to 6 taps.
   std::vector<float> weights;
   std::vector<SkyStep> steps;     ///< up to kMostSkySteps beside the weights; none where there are no weights
-  std::optional<SkyCones> cones;  ///< none: the program's own; 64 directions for `traced`
+  std::optional<SkyCones> cones;  ///< none: the program's own; 8 directions for `traced`
   double fitError = -1.0;         ///< RMSE against the reference they were fitted to; negative: not fitted
   double heldOutError = -1.0;     ///< RMSE on frames and objects that were left out of the fit (cross validation); negative: not known
 };

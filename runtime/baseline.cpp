@@ -7,7 +7,6 @@
 
 #include "runtime/passes/cone_tracing/cone_tracing.h"
 #include "runtime/passes/constant/constant.h"
-#include "runtime/passes/denoise/denoise.h"
 #include "runtime/passes/gtao/gtao.h"
 #include "runtime/passes/rays/rays.h"
 
@@ -15,7 +14,6 @@ namespace overcast {
 
 static_assert(sizeof(shared::ConstantPush) == 16);
 static_assert(sizeof(shared::ConeTracingPush) == 80 && offsetof(shared::ConeTracingPush, sky) == 64);
-static_assert(sizeof(shared::DenoisePush) == 80 && offsetof(shared::DenoisePush, sky) == 64);
 static_assert(sizeof(shared::GtaoPush) == 96 && offsetof(shared::GtaoPush, search) == 80);
 static_assert(sizeof(shared::RaysPush) == 80 && offsetof(shared::RaysPush, sky) == 64);
 
@@ -56,25 +54,8 @@ glm::vec4 searchOf(const TechniqueSettings& settings, const GlobalGrid& grid) {
   return {radius, static_cast<float>(search.slices), steps, search.thickness / steps};
 }
 
-Result<Done> addDenoise(const Device& device, const BaselineInputs& inputs, Baseline& baseline) {
-  Result<GpuImage> raw = makeLightImage(device, inputs.images);
-  if (!raw) return raw.error();
-  baseline.raw = std::move(raw).value();
-  Result<ScreenPass> denoise =
-      makeScreenPass(device, inputs.images, inputs.light, {"runtime/passes/denoise/denoise.comp.glsl", {}},
-                     {{kFirstScreenBinding, VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER}}, sizeof(shared::DenoisePush));
-  if (!denoise) return denoise.error();
-  baseline.denoise = std::move(denoise).value();
-  writeSampledImage(device, baseline.denoise.set, kFirstScreenBinding, baseline.raw.view, baseline.denoise.nearest);
-  return Done{};
-}
-
 Result<Done> fill(const Device& device, const BaselineInputs& inputs, Baseline& baseline) {
   const Program program = programOf(baseline.settings.technique);
-  if (denoises(baseline.settings.technique)) {
-    const Result<Done> made = addDenoise(device, inputs, baseline);
-    if (!made) return made;
-  }
   const bool volume = readsVolume(baseline.settings.technique);
   const bool surfels = baseline.settings.technique == Technique::surfels;
   OVERCAST_REQUIRE(!surfels || inputs.surfels, "{} without their pass", nameOf(baseline.settings.technique));
@@ -82,8 +63,7 @@ Result<Done> fill(const Device& device, const BaselineInputs& inputs, Baseline& 
   if (surfels)
     for (std::uint32_t i = 0; i < 2; ++i) own.push_back({kFirstScreenBinding + i, VK_DESCRIPTOR_TYPE_STORAGE_BUFFER});
   if (volume) own.push_back({kFirstScreenBinding, VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER});
-  Result<ScreenPass> light = makeScreenPass(device, inputs.images, denoises(baseline.settings.technique) ? baseline.raw : inputs.light,
-                                            program.shader, own, program.pushBytes);
+  Result<ScreenPass> light = makeScreenPass(device, inputs.images, inputs.light, program.shader, own, program.pushBytes);
   if (!light) return light.error();
   baseline.light = std::move(light).value();
   if (surfels) {
@@ -112,8 +92,6 @@ Result<Baseline> makeBaseline(const Device& device, const TechniqueSettings& set
 
 void destroyBaseline(const Device& device, Baseline& baseline) {
   destroyScreenPass(device, baseline.light);
-  destroyScreenPass(device, baseline.denoise);
-  destroyImage(device, baseline.raw);
   if (baseline.trilinear) vkDestroySampler(device.device, baseline.trilinear, nullptr);
   baseline = {};
 }
@@ -142,11 +120,6 @@ void recordBaseline(VkCommandBuffer commands, const Baseline& baseline, const Gl
     default:
       recordScreenPass(commands, baseline.light, shared::RaysPush{fromClip, sky(0.0f)});
   }
-}
-
-void recordDenoise(VkCommandBuffer commands, const Baseline& baseline, const ScreenView& view) {
-  recordScreenPass(commands, baseline.denoise,
-                   shared::DenoisePush{glm::mat4(glm::inverse(view.clipFromRelative)), glm::vec4(view.skyColour, 0.0f)});
 }
 
 }  // namespace overcast

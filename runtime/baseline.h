@@ -14,16 +14,14 @@ namespace overcast {
 struct Baseline {
   TechniqueSettings settings;
   std::uint32_t surfels = 0;  ///< placed nodes of Technique::surfels
-  ScreenPass light;           ///< writes the light image, or `raw` where `denoise` follows
-  ScreenPass denoise;         ///< of techniques that denoises() names
-  GpuImage raw;
+  ScreenPass light;
   VkSampler trilinear = VK_NULL_HANDLE;  ///< of techniques that read the volume
 };
 
 /// What the passes read and write; all must outlive them.
 struct BaselineInputs {
   const GeometryImages& images;
-  const GpuImage& light;                ///< makeLightImage
+  const GpuImage& light;                ///< makeLightImage; DenoisePass::raw where denoises(technique)
   const GpuImage& volume;               ///< CompositePass::volume; looked at where readsVolume(technique)
   const SurfelPass* surfels = nullptr;  ///< of Technique::surfels
 };
@@ -32,11 +30,8 @@ struct BaselineInputs {
 Result<Baseline> makeBaseline(const Device& device, const TechniqueSettings& settings, const BaselineInputs& inputs);
 void destroyBaseline(const Device& device, Baseline& baseline);
 
-/// Records the pass that finds visibility, and light where no denoising follows; after recordGeometry, and after recordComposite of the
-/// volume in `grid` or recordSurfels where the technique reads their work.
+/// Records the pass that finds visibility, and light where recordDenoise need not follow; after recordGeometry, and after recordComposite
+/// of the volume in `grid` or recordSurfels where the technique reads their work.
 void recordBaseline(VkCommandBuffer commands, const Baseline& baseline, const GlobalGrid& grid, const ScreenView& view);
-
-/// Records the pass after it; only where denoises(technique).
-void recordDenoise(VkCommandBuffer commands, const Baseline& baseline, const ScreenView& view);
 
 }  // namespace overcast

@@ -48,6 +48,8 @@ void destroyTargets(const Device& device, FrameTargets& targets) {
   if (targets.baseline) destroyBaseline(device, *targets.baseline);
   targets.baseline.reset();
   destroyShadePass(device, targets.shade);
+  if (targets.denoise) destroyDenoisePass(device, *targets.denoise);
+  targets.denoise.reset();
   destroyImage(device, targets.light);
   destroyGeometryImages(device, targets.images);
 }
@@ -62,6 +64,12 @@ Estimator estimatorOf(const Lighting& lighting, const FrameSettings& settings) {
   return settings.taps ? withTaps(std::move(estimator), *settings.taps) : estimator;
 }
 
+/// Whether pixels take turns with their samples.
+bool takesTurns(const FrameRenderer& renderer) {
+  const Technique technique = renderer.settings.technique.technique;
+  return technique == Technique::overcast ? renderer.estimator.traced > 0 && !renderer.apertures : denoises(technique);
+}
+
 Result<Done> makeTargets(const Device& device, FrameRenderer& renderer) {
   FrameTargets& targets = renderer.targets;
   const FrameSettings& settings = renderer.settings;
@@ -70,11 +78,13 @@ Result<Done> makeTargets(const Device& device, FrameRenderer& renderer) {
   Result<Done> done = take(makeGeometryImages(device, full, {renderer.apertures, renderer.transfer}), targets.images);
   const GpuBuffer* sky = renderer.sky.buffer ? &renderer.sky : nullptr;
   if (done) done = take(makeLightImage(device, targets.images), targets.light);
+  if (done && takesTurns(renderer)) done = take(makeDenoisePass(device, targets.images, targets.light, sky), targets.denoise.emplace());
+  const GpuImage& light = targets.denoise ? targets.denoise->raw : targets.light;
   if (done && settings.technique.technique != Technique::overcast) {
-    const BaselineInputs inputs{targets.images, targets.light, renderer.composite.volume, renderer.surfels ? &*renderer.surfels : nullptr};
+    const BaselineInputs inputs{targets.images, light, renderer.composite.volume, renderer.surfels ? &*renderer.surfels : nullptr};
     done = take(makeBaseline(device, settings.technique, inputs), targets.baseline.emplace());
   } else if (done) {
-    done = take(makeShadePass(device, targets.images, targets.light, renderer.pyramid, renderer.estimator, sky), targets.shade);
+    done = take(makeShadePass(device, targets.images, light, renderer.pyramid, renderer.estimator, sky), targets.shade);
   }
   if (done && renderer.apertures) {
     const ApertureInputs inputs{targets.images, targets.light, renderer.manyObjects ? &renderer.pyramid : nullptr, sky};
@@ -108,16 +118,18 @@ const char* nameOf(FramePass pass, Technique technique) {
   return nameOf(technique);
 }
 
-std::vector<FramePass> passesOf(Technique technique, bool apertures) {
-  if (technique != Technique::overcast) {
-    std::vector<FramePass> passes{FramePass::geometry, FramePass::tonemap, FramePass::baseline};
+std::vector<FramePass> passesOf(const FrameRenderer& renderer) {
+  const Technique technique = renderer.settings.technique.technique;
+  std::vector<FramePass> passes;
+  if (technique == Technique::overcast) {
+    passes = {FramePass::composite, FramePass::pyramid, FramePass::geometry, FramePass::shade, FramePass::tonemap};
+    if (renderer.apertures) passes.push_back(FramePass::aperture);
+  } else {
+    passes = {FramePass::geometry, FramePass::tonemap, FramePass::baseline};
     if (readsVolume(technique)) passes.insert(passes.begin(), FramePass::composite);
     if (technique == Technique::surfels) passes.push_back(FramePass::surfelGather);
-    if (denoises(technique)) passes.push_back(FramePass::denoise);
-    return passes;
   }
-  std::vector<FramePass> passes{FramePass::composite, FramePass::pyramid, FramePass::geometry, FramePass::shade, FramePass::tonemap};
-  if (apertures) passes.push_back(FramePass::aperture);
+  if (takesTurns(renderer)) passes.push_back(FramePass::denoise);
   return passes;
 }
 
@@ -131,7 +143,7 @@ Result<Done> makeSubmission(const Device& device, FrameRenderer& renderer) {
   if (made == VK_SUCCESS) made = vkCreateFence(device.device, &fence, nullptr, &renderer.done);
   if (made != VK_SUCCESS) return vulkanError(made, "cannot make a command buffer");
   const Technique technique = renderer.settings.technique.technique;
-  renderer.passes = passesOf(technique, renderer.apertures);
+  renderer.passes = passesOf(renderer);
   std::vector<std::string> names;
   for (const FramePass pass : renderer.passes) names.emplace_back(nameOf(pass, technique));
   return take(makePassTimer(device, std::move(names)), renderer.timer);
@@ -297,18 +309,18 @@ void recordLight(VkCommandBuffer commands, FrameRenderer& renderer, const Lighti
   if (targets.baseline) {
     const ScreenView view{seen.clipFromRelative, seen.eye, lighting.skyColour};
     timed(commands, renderer, FramePass::baseline, [&] { recordBaseline(commands, *targets.baseline, renderer.grid, view); });
-    if (denoises(renderer.settings.technique.technique))
-      timed(commands, renderer, FramePass::denoise, [&] { recordDenoise(commands, *targets.baseline, view); });
-    return;
-  }
-  if (targets.aperture) {
+  } else if (targets.aperture) {
     const ApertureView view{seen.clipFromRelative, seen.eye, lighting.skyColour};
     timed(commands, renderer, FramePass::aperture,
           [&] { recordAperture(commands, *targets.aperture, renderer.grid, apertureLights(lighting, nodes, seen.eye), view); });
-    return;
+  } else {
+    const ShadeView view{seen.clipFromRelative, seen.eye, lighting.skyColour, lighting.up};
+    timed(commands, renderer, FramePass::shade, [&] { recordShade(commands, targets.shade, renderer.grid, view); });
   }
-  const ShadeView view{seen.clipFromRelative, seen.eye, lighting.skyColour, lighting.up};
-  timed(commands, renderer, FramePass::shade, [&] { recordShade(commands, targets.shade, renderer.grid, view); });
+  if (targets.denoise) {
+    const ScreenView view{seen.clipFromRelative, seen.eye, lighting.skyColour};
+    timed(commands, renderer, FramePass::denoise, [&] { recordDenoise(commands, *targets.denoise, view); });
+  }
 }
 
 Image imageOf(const GpuImage& image, std::vector<std::string> channels) {

@@ -17,6 +17,7 @@
 #include "runtime/daylight.h"
 #include "runtime/passes/aperture/aperture_pass.h"
 #include "runtime/passes/composite/composite_pass.h"
+#include "runtime/passes/denoise/denoise_pass.h"
 #include "runtime/passes/geometry/geometry_pass.h"
 #include "runtime/passes/pyramid/pyramid_pass.h"
 #include "runtime/passes/shade/shade_pass.h"
@@ -44,14 +45,14 @@ struct FrameSettings {
   bool prefilter = true;    ///< taps read the level of the pyramid that their estimator says; else all read the volume itself
 };
 
-/// The passes of a frame. With Technique::overcast they are indices into what renderFrame returns, which ends before `aperture` where the
-/// scene has none; other techniques have those of these that they need, in this order. `baseline` is named as the technique.
+/// The passes of a frame; renderFrame returns those that the frame may run, in this order. `baseline` is named as the technique.
 enum class FramePass { composite, pyramid, geometry, shade, tonemap, aperture, surfelGather, baseline, denoise };
 
 /// What depends on the size of the picture.
 struct FrameTargets {
   GeometryImages images;
   GpuImage light;                        ///< makeLightImage
+  std::optional<DenoisePass> denoise;    ///< where pixels take turns with their samples: what finds visibility writes its `raw`
   ShadePass shade;                       ///< of Technique::overcast
   std::optional<AperturePass> aperture;  ///< of Technique::overcast in scenes with apertures
   std::optional<Baseline> baseline;      ///< of other techniques

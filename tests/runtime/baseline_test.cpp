@@ -13,6 +13,7 @@
 
 #include "runtime/passes/cone_tracing/cone_tracing.h"
 #include "runtime/passes/denoise/denoise.h"
+#include "runtime/passes/denoise/denoise_pass.h"
 #include "runtime/passes/rays/rays.h"
 #include "tests/runtime/ground.h"
 #include "tests/runtime/scenes.h"
@@ -69,14 +70,17 @@ class Baselines : public test::DeviceTest {
     GpuImage volume = test::uploadField(device, field);
     GeometryImages images = test::uploadGround(device, groundOnly, from);
     GpuImage out = makeLightImage(device, images).value();
-    Baseline baseline = makeBaseline(device, TechniqueSettings{technique, constant}, {images, out, volume}).value();
+    DenoisePass denoise = makeDenoisePass(device, images, out).value();
+    const GpuImage& raw = denoises(technique) ? denoise.raw : out;
+    Baseline baseline = makeBaseline(device, TechniqueSettings{technique, constant}, {images, raw, volume}).value();
     const Result<Done> done = runCommands(device, [&](VkCommandBuffer commands) {
       recordBaseline(commands, baseline, from.grid, view);
-      if (denoises(technique)) recordDenoise(commands, baseline, view);
+      if (denoises(technique)) recordDenoise(commands, denoise, view);
     });
     EXPECT_TRUE(done.ok());
     std::vector<Pixel> pixels = test::readPixels(device, out);
     destroyBaseline(device, baseline);
+    destroyDenoisePass(device, denoise);
     destroyImage(device, out);
     destroyGeometryImages(device, images);
     destroyImage(device, volume);

@@ -12,6 +12,7 @@
 #include <glm/geometric.hpp>
 
 #include "runtime/calibrate/sky_readings.h"
+#include "runtime/passes/denoise/denoise_pass.h"
 #include "tests/reference/sky.h"
 #include "tests/runtime/ground.h"
 #include "tests/runtime/scenes.h"
@@ -50,15 +51,18 @@ class Shade : public test::DeviceTest {
     PyramidPass pyramid = makePyramidPass(device, volume, estimator.levels).value();
     GeometryImages images = test::uploadGround(device, ground, setting);
     GpuImage light = makeLightImage(device, images).value();
-    ShadePass pass = makeShadePass(device, images, light, pyramid, estimator).value();
+    DenoisePass denoise = makeDenoisePass(device, images, light).value();
+    ShadePass pass = makeShadePass(device, images, estimator.traced > 0 ? denoise.raw : light, pyramid, estimator).value();
     const ShadeView view{test::clipFromRelative(setting), setting.eye, setting.skyColour, glm::vec3(kUp)};
     const Result<Done> done = runCommands(device, [&](VkCommandBuffer commands) {
       recordPyramid(commands, pyramid);
       recordShade(commands, pass, setting.grid, view);
+      if (estimator.traced > 0) recordDenoise(commands, denoise, {view.clipFromRelative, view.eye, view.skyColour});
     });
     EXPECT_TRUE(done.ok());
     std::vector<Pixel> pixels = test::readPixels(device, light);
     destroyShadePass(device, pass);
+    destroyDenoisePass(device, denoise);
     destroyImage(device, light);
     destroyGeometryImages(device, images);
     destroyPyramidPass(device, pyramid);
@@ -91,7 +95,8 @@ TEST(SkyEstimators, ReachAsFarAtAnyResolution) {
     for (std::size_t i = 0; i < coarse.taps.size(); ++i) {
       EXPECT_NEAR(fine.taps[i].distance, 2.0f * coarse.taps[i].distance, 1e-4f) << name;
       EXPECT_EQ(fine.taps[i].weight, coarse.taps[i].weight);
-      EXPECT_EQ(fine.taps[i].level, coarse.directions.empty() ? std::min(coarse.taps[i].level + 1, shared::kMaxPyramidLevels - 1) : 0);
+      EXPECT_EQ(fine.taps[i].level,
+                coarse.directions.empty() && coarse.traced == 0 ? std::min(coarse.taps[i].level + 1, shared::kMaxPyramidLevels - 1) : 0);
     }
   }
 }
@@ -224,18 +229,21 @@ double referenceSky(const std::string& name, const std::vector<Field>& levels, c
   return reference::conesSky(levels, point, axes, taps, glm::dvec3(made.cone));
 }
 
-TEST_F(Shade, TracedConesFindTheFormFactorOfASphere) {
+TEST_F(Shade, TracedRaysFindTheFormFactorOfASphere) {
   // A sphere of radius R about c takes (R / |c - p|)^2 of the sky of a point p, times the cosine, where all of it is above the horizon.
+  // Rays meet it where the field is kRayHit and start kRayStart above the ground.
   Setting setting;
+  setting.left = 0.5 * kSide;  // two pixels for each voxel: the mean over a pattern of them is half as wide
+  setting.right = kSide;
   setting.estimator = named("traced");
   const std::vector<Pixel> pixels = shade(test::groundCube(test::sphereOnGround), groundOnly, setting);
   double squares = 0.0, worst = 0.0;
   int count = 0;
   for (std::size_t n = 0; n < pixels.size(); ++n) {
     const glm::dvec2 at = test::column(n, setting) - glm::dvec2(0.5 * kSide);
-    if (glm::length(at) < 4.0 || glm::length(at) > 30.0) continue;  // nearer, cones are wider than what is left
-    const double distance = std::hypot(glm::length(at), test::kSphereRadius);
-    const double expected = 1.0 - std::pow(test::kSphereRadius / distance, 3.0);
+    if (glm::length(at) < 4.0 || glm::length(at) > 30.0) continue;  // nearer, the horizon cuts it
+    const double height = test::kSphereRadius - shared::kRayStart, distance = std::hypot(glm::length(at), height);
+    const double expected = 1.0 - std::pow((test::kSphereRadius + shared::kRayHit) / distance, 2.0) * height / distance;
     worst = std::max(worst, std::abs(pixels[n].sky - expected));
     squares += std::pow(pixels[n].sky - expected, 2.0);
     ++count;
@@ -244,7 +252,7 @@ TEST_F(Shade, TracedConesFindTheFormFactorOfASphere) {
   EXPECT_LT(worst, 0.08);
 }
 
-TEST_F(Shade, TracedConesAreStoppedByThinSheets) {
+TEST_F(Shade, TracedRaysAreStoppedByThinSheets) {
   const auto sheet = [](const glm::dvec3& p) { return std::min(p.y - kGround, std::abs(p.x - 40.0) - 0.3); };
   const auto block = [](const glm::dvec3& p) { return std::min(p.y - kGround, std::abs(p.x - 52.0) - 12.3); };
   Setting setting;
@@ -261,7 +269,7 @@ TEST_F(Shade, TracedConesAreStoppedByThinSheets) {
   EXPECT_GT(byThin, 0.8 * byThick) << "0.6 voxels hold back what 24 do, but for cones along them: " << byThin << " of " << byThick;
 }
 
-TEST_F(Shade, TracedConesLeaveOpenGroundOpen) {
+TEST_F(Shade, TracedRaysLeaveOpenGroundOpen) {
   Setting setting;
   setting.estimator = named("traced");
   for (const Pixel& pixel : shade(test::groundCube([](const glm::dvec3& p) { return p.y - kGround; }), groundOnly, setting))

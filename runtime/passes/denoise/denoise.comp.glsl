@@ -6,6 +6,7 @@
 layout(push_constant) uniform Push {
   DenoisePush push;
 };
+#include "runtime/passes/screen/open_sky.glsl"
 layout(set = 0, binding = 4) uniform sampler2D raw;
 
 void main() {
@@ -30,5 +31,5 @@ void main() {
     }
   }
   float sky = sum / weights;
-  writeLight(pixel, push.sky.rgb * sky, sky);
+  writeLight(pixel, openSky(normal) * sky, sky);
 }

@@ -1,33 +1,23 @@
-// One thread per pixel: base colour times sky times sky visibility. OVERCAST_SKY: the sky is not uniform; the estimator is that of
-// sky_visibility.glsl.
+// One thread per pixel: base colour times sky times sky visibility by the estimator of sky_visibility.glsl; with OVERCAST_TRACED a pixel's
+// own share of visibility alone, of which the denoise pass makes light.
 #version 460
-#include "runtime/passes/aperture/sky.h"
 #include "runtime/passes/screen/screen.glsl"
 #include "runtime/passes/shade/sky_visibility.glsl"
 
 layout(push_constant) uniform Push {
   ShadePush push;
 };
-#ifdef OVERCAST_SKY
-layout(set = 0, binding = 13, std430) readonly buffer Sky {
-  SkyLight skyLight;
-};
-#endif
-
-// What an open surface receives of the sky, over pi.
-vec3 openSky(vec3 normal) {
-#ifdef OVERCAST_SKY
-  return skyOverOpen(skyLight, normalize(normal));
-#else
-  return push.sky.rgb;
-#endif
-}
+#include "runtime/passes/screen/open_sky.glsl"
 
 void main() {
   ivec2 pixel;
   vec3 p;
   if (!surfaceOfThread(push.voxelFromClip, pixel, p)) return;
   vec3 normal = texelFetch(normalImage, pixel, 0).xyz;
+#ifdef OVERCAST_TRACED
+  imageStore(lightImage, pixel, vec4(0.0f, 0.0f, 0.0f, visibilityOfPlace(p, normal, patternPlace(pixel))));
+#else
   float sky = visibility(p, normal, push.skew);
   writeLight(pixel, openSky(normal) * sky, sky);
+#endif
 }

@@ -16,11 +16,9 @@
 // too; one that faces down sees less than its taps tell. Weights and heights are not negative, so a surface is never brighter for a tap
 // that misses more, and C is in [0, 1]; open ground is exactly 1 with any of them.
 // `cones`: C = (mean over cones of min_i clamp(phi(P + d_i c) / (d_i s) + b, 0, 1))^q, all taps of level 0.
-// `traced`: the mean over cones of how much of each is free, each as wide as its share of the cosine: unlike so many rays they need no
-// noise and no filter. Sphere tracing (Hart 1996) through level 0 to the border of the volume; of a cone that a surface grazes the share on
-// this side of it is free, as wide as walls can be told from edges; one that runs into a surface head on is shut, however thin that is.
-// All pixels share one set of cones: where most are shut (a dark room with a small window) single ones show as patches. Sheets thinner than
-// a voxel let cones through that run along them.
+// `traced`: the share of rays that leave the volume (rays.h), so many in each pixel: neighbours take turns with sixteen sets, and the
+// denoise pass (denoise.h) gives each pixel the mean of all. Nearer than a voxel what stands at a point cannot be told from its own
+// surface: rays first look there.
 //
 // `hybrid`: V_self from the baked apertures times what others leave of them, which is the aperture pass's business (aperture.h). Scenes
 // without apertures get `calibrated`.
@@ -29,7 +27,8 @@
 #ifndef RUNTIME_PASSES_SHADE_SHADE_H
 #define RUNTIME_PASSES_SHADE_SHADE_H
 
-#include "runtime/passes/screen/screen.h"
+#include "runtime/passes/denoise/denoise.h"
+#include "runtime/passes/rays/rays.h"
 
 OVERCAST_SHARED_BEGIN
 
@@ -97,29 +96,16 @@ OVERCAST_INLINE float coneOpenness(float phi, float d, vec4 cone) {
   return clamp(phi / (d * cone.x) + cone.y, 0.0f, 1.0f);
 }
 
-const float kTraceStart = 0.5f;  ///< voxels above the surface from which cones are traced: mesh and field disagree
-const float kTraceNarrowest = 0.25f, kTraceWidest = 1.5f;  ///< half widths of cones, voxels
-const float kTraceHit = 0.25f;       ///< field below which a surface is met: thin sheets do not read zero between two samples
-const float kTraceHeadOn = 0.5f;     ///< fall of the field along the axis, per voxel, of one that is met head on
-const float kTraceShortest = 0.25f;  ///< voxels a step takes at least
-const int kTraceSteps = 64;          ///< at most
+const float kTraceFirst = 1.0f;  ///< voxels along a traced ray to where it first looks
 
-/// Spread (half width over distance) of one of `cones` cones whose axis rises by `rise`: that of its share of the cosine, and not into the
-/// ground.
-OVERCAST_INLINE float traceSpread(int cones, float rise) {
-  return min(1.0f / sqrt(float(cones)), rise);
-}
-
-/// Half the width of a traced cone, `t` voxels from where it starts.
-OVERCAST_INLINE float traceWidth(float t, float spread) {
-  return clamp(t * spread, kTraceNarrowest, kTraceWidest);
-}
-
-/// Whether the axis runs into a surface at `t`, where the field is `phi` and falls by `fall` per voxel, the more of the last two steps:
-/// right at a thin sheet samples on both sides of it leave it flat. Cones that leave a crease for the open are not stopped by the wall
-/// beside them.
-OVERCAST_INLINE bool traceIsShut(float phi, float t, float fall) {
-  return phi < kTraceHit * min(0.5f * t, 1.0f) && fall > kTraceHeadOn;
+/// How far from `p` along the unit vector `direction` the volume [0, size] begins; 0 inside it.
+OVERCAST_INLINE float wayToVolume(vec3 p, vec3 direction, vec3 size) {
+  float way = 0.0f;
+  for (int axis = 0; axis < 3; ++axis) {
+    float rise = abs(direction[axis]) < 1.0e-9f ? 1.0e-9f : direction[axis];
+    way = max(way, min(-p[axis] / rise, (size[axis] - p[axis]) / rise));
+  }
+  return way;
 }
 
 /// N', from a normal of any length: a degenerate one (zero, not finite) counts as none, which leaves the skew.

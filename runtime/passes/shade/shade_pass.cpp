@@ -23,8 +23,8 @@ Shader shaderOf(const SkyEstimator& estimator, bool sky) {
   Shader shader{"runtime/passes/shade/shade.comp.glsl", {{"OVERCAST_TAPS", fmt::format("{}", estimator.taps.size())}}};
   if (!estimator.directions.empty()) shader.defines.push_back({"OVERCAST_CONES", fmt::format("{}", estimator.directions.size())});
   if (!estimator.steps.empty()) shader.defines.push_back({"OVERCAST_STEPS", fmt::format("{}", estimator.steps.size())});
-  if (estimator.traced) shader.defines.push_back({"OVERCAST_TRACED", "1"});
-  if (sky) shader.defines.push_back({"OVERCAST_SKY", "1"});
+  if (estimator.traced > 0) shader.defines.push_back({"OVERCAST_TRACED", fmt::format("{}", estimator.traced)});
+  if (sky) shader.defines.push_back({"OVERCAST_SKY", fmt::format("{}", kSkyBinding)});
   return shader;
 }
 

@@ -31,6 +31,9 @@ struct Reach {
 };
 constexpr int kSharp = -shared::kMaxPyramidLevels;
 
+/// The program's own number of traced rays.
+constexpr int kTracedRays = 8;
+
 void addPublishedTaps(const Estimator& estimator, int resolution, SkyEstimator& made) {
   const int added = static_cast<int>(std::lround(std::log2(resolution / kTapResolution)));
   const int count = std::clamp(estimator.taps + added, 1, shared::kMaxTaps);
@@ -114,9 +117,8 @@ Result<SkyEstimator> skyEstimator(const Estimator& estimator, int resolution) {
   } else if (name == "cones") {
     addCones(estimator, resolution, made);
   } else if (name == "traced") {
-    made.traced = true;
     made.taps.push_back({});
-    made.directions = coneDirections(estimator.cones ? estimator.cones->directions : shared::kMaxCones);
+    made.traced = estimator.cones ? estimator.cones->directions : kTracedRays;
   } else {
     addCalibratedTaps(estimator, resolution, made);
   }

@@ -21,7 +21,7 @@ struct SkyEstimator {
   std::vector<shared::SkyStep> steps;  ///< of `calibrated`
   std::vector<glm::vec3> directions;   ///< of cones; empty: along the skewed normal
   glm::vec3 cone{0.0f};                ///< spread, bias, power
-  bool traced = false;                 ///< cones are traced
+  int traced = 0;                      ///< rays of a pixel: recordDenoise must follow; 0: taps are read
   float skyWeight = 0.0f;              ///< alpha
   int levels = 1;                      ///< of the pyramid that taps read
 };

@@ -1,7 +1,7 @@
 // Sky visibility at a point by the scene's estimator (shade.h), which is bindings 4 to 12:
 //   float visibility(vec3 p, vec3 normal, vec4 skew)   p in voxels, unit normal, ShadePush::skew
-// OVERCAST_TAPS taps of the estimator, along the skewed normal (with OVERCAST_STEPS soft steps) or along each of OVERCAST_CONES cones;
-// OVERCAST_TRACED: those are followed to the border of the volume.
+// OVERCAST_TAPS taps of the estimator, along the skewed normal (with OVERCAST_STEPS soft steps) or along each of OVERCAST_CONES cones.
+// OVERCAST_TRACED: so many rays for each place of the pattern; visibilityOfPlace has those of one alone.
 #include "runtime/passes/shade/shade.h"
 
 // Levels that no tap reads repeat the last one.
@@ -47,36 +47,34 @@ float field(int level, vec3 p) {
 }
 
 #ifdef OVERCAST_TRACED
-// How much of a cone is free.
-float openCone(vec3 from, vec3 axis, float spread) {
-  float reach = reachInVolume(from, axis, vec3(textureSize(level0, 0)));
-  float open = 1.0f;
-  float before = 0.0f;
-  float step = 1.0f;
-  float fallBefore = 0.0f;
-  float t = 0.0f;
-  for (int i = 0; i < kTraceSteps && t < reach && open > 0.0f; ++i) {
-    float phi = field(0, from + t * axis);
-    float fall = (before - phi) / step;
-    if (traceIsShut(phi, t, max(fall, fallBefore))) return 0.0f;
-    open = min(open, coneClear(phi, traceWidth(t, spread)));
-    before = phi;
-    fallBefore = fall;
-    step = max(phi, kTraceShortest);
-    t += step;
+// Whether a ray leaves the volume.
+bool leaves(vec3 from, vec3 direction) {
+  vec3 size = vec3(textureSize(level0, 0));
+  float end = reachInVolume(from, direction, size);
+  float t = max(kTraceFirst, wayToVolume(from, direction, size));
+  vec3 start = from / size;
+  vec3 way = direction / size;
+  for (int i = 0; i < kRaySteps && t < end; ++i) {
+    float phi = textureLod(level0, start + t * way, 0.0f).r;
+    if (phi < rayHit(t)) return false;
+    t += max(phi, kRayShortest);
   }
-  return open;
+  return true;
+}
+
+// By the rays of one place of the pattern (denoise.h).
+float visibilityOfPlace(vec3 p, vec3 normal, int place) {
+  mat3 frame = frameAbout(normal);
+  vec3 from = p + kRayStart * normal;
+  float sum = 0.0f;
+  for (int ray = 0; ray < OVERCAST_TRACED; ++ray) sum += leaves(from, frame * rayDirection(ray, OVERCAST_TRACED, place)) ? 1.0f : 0.0f;
+  return sum / float(OVERCAST_TRACED);
 }
 
 float visibility(vec3 p, vec3 normal, vec4 skew) {
-  mat3 frame = frameAbout(normal);
-  vec3 from = p + kTraceStart * normal;
   float sum = 0.0f;
-  for (int cone = 0; cone < OVERCAST_CONES; ++cone) {
-    vec3 axis = vec3(estimator.directions[cone]);
-    sum += openCone(from, frame * axis, traceSpread(OVERCAST_CONES, axis.z));
-  }
-  return sum / float(OVERCAST_CONES);
+  for (int place = 0; place < kPatternSize; ++place) sum += visibilityOfPlace(p, normal, place);
+  return sum / float(kPatternSize);
 }
 #elif defined(OVERCAST_CONES)
 float visibility(vec3 p, vec3 normal, vec4 skew) {
