@@ -1,10 +1,12 @@
 #include "runtime/calibrate/calibrate.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <map>
 #include <random>
-#include <set>
+
+#include <glm/vector_relational.hpp>
 
 #include "formats/result.h"
 #include "runtime/calibrate/robust_fit.h"
@@ -14,9 +16,11 @@ namespace overcast {
 namespace {
 
 constexpr double kMost = 20.0;
-constexpr double kSteepest = 4.0;  // of steps: steeper ones draw lines where surfaces cross them
+constexpr double kSteepest = 2.0;  // of steps: steeper ones draw lines where surfaces cross them
+constexpr double kLowest = 0.02;   // of their heights: nothing tells where one of none should lie, so it would stay at none
 constexpr double kFurthest = 6.0;  // of where open ground lies on one
 constexpr int kFolds = 5;
+constexpr std::array kPulls{1e-2, 1e-3, 1e-4};  // of one scene
 
 using Parameters = std::vector<double>;
 
@@ -38,7 +42,7 @@ void visitConstants(Constants& estimator, const Visit& visit) {
     for (auto& weight : step.weights) visit(weight, 0.0, kSteepest);
     visit(step.start, -kFurthest, kFurthest);
     visit(step.facing, -kSteepest, kSteepest);
-    visit(step.height, 0.0, kMost);
+    visit(step.height, kLowest, kMost);
   }
 }
 
@@ -143,6 +147,49 @@ double heldOutError(const CalibrationSamples& samples, const std::vector<int>& g
   return std::sqrt(squares / static_cast<double>(folds.size()));
 }
 
+int idAfter(const std::vector<int>& ids) {
+  return ids.empty() ? 0 : 1 + *std::max_element(ids.begin(), ids.end());
+}
+
+void addPoint(const SkyField& field, const Estimator& estimator, const glm::vec3& up, const SurfacePoint& point,
+              CalibrationSamples& samples) {
+  samples.normals.push_back(point.normal);
+  samples.ups.push_back(up);
+  samples.sky.push_back(point.sky);
+  for (std::size_t i = 0; i < samples.skyWeights.size(); ++i) {
+    Estimator skewed = estimator;
+    skewed.skyWeight = samples.skyWeights[i];
+    readTaps(field, skyEstimator(skewed, samples.resolution).value(), up, point, samples.phi[i]);
+  }
+}
+
+/// An id for the object of each point. Objects of more than a fold are taken apart into octants about their middle: without all of the
+/// ground, nothing would tell what ground looks like.
+std::vector<int> objectsOf(const std::vector<SurfacePoint>& points) {
+  struct Sum {
+    std::size_t count = 0;
+    glm::dvec3 position{0.0};
+  };
+  std::map<int, Sum> sums;
+  for (const SurfacePoint& point : points) {
+    ++sums[point.object].count;
+    sums[point.object].position += point.position;
+  }
+  std::vector<int> objects;
+  for (const SurfacePoint& point : points) {
+    const Sum& sum = sums[point.object];
+    const glm::dvec3 middle = sum.position / static_cast<double>(sum.count);
+    const glm::bvec3 beyond = glm::greaterThan(point.position, middle);
+    const int octant = (beyond.x ? 1 : 0) + (beyond.y ? 2 : 0) + (beyond.z ? 4 : 0);
+    objects.push_back(8 * point.object + (kFolds * sum.count > points.size() ? octant : 0));
+  }
+  return objects;
+}
+
+void judge(Calibration& made) {
+  made.better = made.estimator.heldOutError >= 0.0 && made.estimator.heldOutError < made.startError;
+}
+
 /// Single floats that are the same on every machine.
 float chance(std::mt19937& engine, float low, float high) {
   return low + (high - low) * static_cast<float>(engine() >> 8) * 0x1p-24f;
@@ -156,32 +203,26 @@ Result<Done> addSamples(const Device& device, const RuntimeScene& scene, std::sp
   if (!made) return made.error();
   FieldMaker& maker = made.value();
   samples.phi.resize(samples.skyWeights.size());
-  const auto after = [](const std::vector<int>& ids) { return ids.empty() ? 0 : 1 + *std::max_element(ids.begin(), ids.end()); };
-  const int firstFrame = after(samples.frames), firstObject = after(samples.objects);
   std::map<double, std::vector<const Reference*>> byTime;
   for (const Reference& reference : references) byTime[reference.info.time].push_back(&reference);
   Result<Done> done = Done{};
-  int frame = firstFrame;
+  std::vector<SurfacePoint> added;
+  int frame = idAfter(samples.frames);
   for (const auto& [time, those] : byTime) {
     const auto field = readField(device, maker, scene, time);
     if (!field) done = field.error();
     if (!field) break;
     for (const Reference* reference : those) {
       for (const SurfacePoint& point : surfacePoints(*reference, std::max<std::size_t>(1, most / references.size()))) {
-        samples.normals.push_back(point.normal);
-        samples.ups.push_back(scene.lighting.up);
-        samples.sky.push_back(point.sky);
+        addPoint(field.value(), estimator, scene.lighting.up, point, samples);
         samples.frames.push_back(frame);
-        samples.objects.push_back(firstObject + point.object);
-        for (std::size_t i = 0; i < samples.skyWeights.size(); ++i) {
-          Estimator skewed = estimator;
-          skewed.skyWeight = samples.skyWeights[i];
-          readTaps(field.value(), skyEstimator(skewed, samples.resolution).value(), scene.lighting.up, point, samples.phi[i]);
-        }
+        added.push_back(point);
       }
     }
     ++frame;
   }
+  const int firstObject = idAfter(samples.objects);
+  for (const int object : objectsOf(added)) samples.objects.push_back(firstObject + object);
   destroyFieldMaker(device, maker);
   return done;
 }
@@ -194,7 +235,11 @@ Estimator withOwnConstants(Estimator estimator) {
   if (estimator.name == "cones" && !estimator.cones) estimator.cones.emplace();
   if (!isCalibrated(estimator.name) || !estimator.weights.empty()) return estimator;
   const CalibratedConstants own = ownConstants(estimator.taps);
-  estimator.taps = static_cast<int>(own.weights.size());
+  const auto taps = static_cast<std::size_t>(estimator.taps);
+  if (own.weights.size() != taps) {
+    estimator.weights.assign(taps, 1.5f / static_cast<float>(taps));
+    return estimator;
+  }
   estimator.weights = own.weights;
   estimator.steps = own.steps;
   return estimator;
@@ -238,7 +283,19 @@ void crossValidate(const CalibrationSamples& samples, const Estimator& start, do
   made.framesError = heldOutError(samples, samples.frames, from, pull);
   made.objectsError = heldOutError(samples, samples.objects, from, pull);
   made.estimator.heldOutError = std::max(made.framesError, made.objectsError);
-  made.better = made.estimator.heldOutError >= 0.0 && made.estimator.heldOutError < made.startError;
+  judge(made);
+}
+
+Calibration calibrateScene(const CalibrationSamples& samples, const Estimator& start, const Estimator& present) {
+  std::optional<Calibration> best;
+  for (const double pull : kPulls) {
+    Calibration made = calibrate(samples, start, pull);
+    crossValidate(samples, start, pull, made);
+    if (!best || made.estimator.heldOutError < best->estimator.heldOutError) best = std::move(made);
+  }
+  best->startError = errorOn(samples, present);
+  judge(*best);
+  return *best;
 }
 
 }  // namespace overcast

@@ -22,7 +22,7 @@ struct CalibrationSamples {
   std::vector<glm::vec3> ups;
   std::vector<float> sky;    ///< the truth
   std::vector<int> frames;   ///< equal where points are of the same scene and time
-  std::vector<int> objects;  ///< equal where points are of the same object
+  std::vector<int> objects;  ///< equal where points are of the same object, or of the same part of a large one
 };
 
 /// Adds at most `most` points of the references of `scene` (readReferences), as many from each, read as `estimator` reads with each of
@@ -33,8 +33,8 @@ Result<Done> addSamples(const Device& device, const RuntimeScene& scene, std::sp
 /// Whether the estimator of this name has constants that can be fitted; `traced` has none.
 bool canCalibrate(std::string_view name);
 
-/// `estimator` with the program's own constants written out where it leaves them to it, ready to be fitted; without steps where the program
-/// has none for this number of taps.
+/// `estimator` with the program's own constants written out where it leaves them to it, ready to be fitted; of `calibrated` with a number
+/// of taps that the program has none for, equal weights and no steps.
 Estimator withOwnConstants(Estimator estimator);
 
 /// Constants to start from that say nothing yet, for fits that shall not depend on what the program has. Of `calibrated`: kMostSkySteps
@@ -44,7 +44,7 @@ Estimator neutralStart(Estimator estimator, std::uint64_t seed);
 /// What came of a fit. Errors are RMSE of sky visibility over the points; negative: there was nothing to leave out.
 struct Calibration {
   Estimator estimator;        ///< fitted, with fitError and heldOutError
-  double startError = 0.0;    ///< of the start
+  double startError = 0.0;    ///< of the constants to be replaced: the start's
   double framesError = -1.0;  ///< on frames, each fold of them predicted by a fit to the others
   double objectsError = -1.0;
   bool better = false;  ///< heldOutError, the larger of these two, is below startError
@@ -53,12 +53,17 @@ struct Calibration {
 /// RMSE of an estimator on the samples; its skyWeight is one of theirs.
 double errorOn(const CalibrationSamples& samples, const Estimator& estimator);
 
-/// Fits from `start`, once with each of samples.skyWeights, and keeps the best. `start` is complete (withOwnConstants) and its skyWeight
-/// one of the samples'. `pull`: robust_fit.h.
+/// Fits from `start`, once with each of samples.skyWeights, and keeps the one of the least error. `start` is complete (withOwnConstants)
+/// and its skyWeight one of the samples'. `pull`: robust_fit.h.
 Calibration calibrate(const CalibrationSamples& samples, const Estimator& start, double pull);
 
 /// Fits again from `start` with what `made` found best, in up to five folds without frames and without objects, and fills in the errors on
 /// what was left out.
 void crossValidate(const CalibrationSamples& samples, const Estimator& start, double pull, Calibration& made);
+
+/// Both for one scene, whose points may tell little about some constants: with weaker and stronger pulls towards `start`, of which that is
+/// kept that predicts best what was left out (where nothing can be left out, the strongest). `startError` and `better` are beside
+/// `present`, what the scene has now: started from something else than that, a second calibration finds the same and nothing better.
+Calibration calibrateScene(const CalibrationSamples& samples, const Estimator& start, const Estimator& present);
 
 }  // namespace overcast

@@ -18,7 +18,7 @@ struct FitProblem {
   double outlier = 0.25;
   /// Pull towards the start, as a share of a row's weight per row: keeps parameters where they were that the rows say nothing about.
   double pull = 0.0;
-  int rounds = 60;  ///< at most
+  int rounds = 100;  ///< at most
 };
 
 /// Parameters within the bounds that minimise the mean loss, or a local minimum of it: Levenberg and Marquardt's steps (J. More, "The

@@ -23,16 +23,15 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr double kScenePull = 1e-4;   // keeps a single scene near what all scenes have in common
-constexpr double kCommonPull = 1e-9;  // and many scenes only from drifting where nothing depends on it
-constexpr std::uint64_t kCommonStarts = 3;
+constexpr double kCommonPull = 1e-9;  // only keeps constants from drifting that nothing depends on
+constexpr std::uint64_t kCommonStarts = 2;
 
 struct Options {
   std::vector<fs::path> scenes;
   fs::path reference;
   std::string estimator;
   int taps = 0;
-  std::size_t points = 12000;
+  std::size_t points = 6000;
   std::string device;
   bool dryRun = false;
   bool json = false;
@@ -42,6 +41,7 @@ struct Options {
 struct Job {
   CalibrationSamples samples;
   Lighting lighting;
+  Estimator present;
   Estimator start;
 };
 
@@ -76,19 +76,35 @@ void checkTogether(Options& options) {
   if (options.reference.empty()) options.reference = options.scenes.front().parent_path() / "reference";
 }
 
-/// What the fit starts from: the scene's constants where it has the estimator that is asked for, else the program's.
-Result<Estimator> startOf(const Options& options, const fs::path& scene, const Lighting& lighting) {
-  Estimator start = lighting.estimator;
-  if (!options.estimator.empty() && options.estimator != start.name) {
-    start = Estimator{};
-    start.name = options.estimator;
-    start.taps = lighting.estimator.taps;
+/// The constants that the scene has for the estimator that is asked for, or the program's.
+Result<Estimator> presentOf(const Options& options, const fs::path& scene, const Lighting& lighting) {
+  Estimator present = lighting.estimator;
+  if (!options.estimator.empty() && options.estimator != present.name) {
+    present = Estimator{};
+    present.name = options.estimator;
+    present.taps = lighting.estimator.taps;
   }
-  if (!canCalibrate(start.name))
-    return Error{scene.string(), "", fmt::format("its estimator, {}, has no constants to fit: say which with --estimator", start.name)};
-  if (options.taps > 0) start = withTaps(std::move(start), options.taps);
-  if (options.scenes.size() > 1) return neutralStart(std::move(start), 1);
-  return withOwnConstants(std::move(start));
+  if (!canCalibrate(present.name))
+    return Error{scene.string(), "", fmt::format("its estimator, {}, has no constants to fit: say which with --estimator", present.name)};
+  if (options.taps > 0) present = withTaps(std::move(present), options.taps);
+  return withOwnConstants(std::move(present));
+}
+
+/// The program's constants for that estimator.
+Estimator startOf(const Estimator& present) {
+  Estimator start;
+  start.name = present.name;
+  start.taps = present.taps;
+  start = withOwnConstants(std::move(start));
+  if (present.cones) start.cones->directions = present.cones->directions;
+  return start;
+}
+
+/// Those that are tried, and the present one: cones have none, and of several scenes the constants are to go with the program's.
+std::vector<float> skyWeightsOf(const Options& options, const Job& job) {
+  std::set<float> weights{job.start.skyWeight, job.present.skyWeight};
+  if (options.scenes.size() == 1 && job.start.name != "cones") weights.insert({0.25f, 0.375f, 0.5f});
+  return {weights.begin(), weights.end()};
 }
 
 std::optional<Failure> addScene(const Device& device, const Options& options, const fs::path& path, Job& job) {
@@ -98,15 +114,13 @@ std::optional<Failure> addScene(const Device& device, const Options& options, co
   const bool first = job.samples.skyWeights.empty();
   const auto add = [&]() -> std::optional<Failure> {
     if (first) {
-      const auto start = startOf(options, path, scene.lighting);
-      if (!start) return Failure{start.error(), ExitCode::unreadable};
-      job.start = start.value();
+      const auto present = presentOf(options, path, scene.lighting);
+      if (!present) return Failure{present.error(), ExitCode::unreadable};
+      job.present = present.value();
+      job.start = options.scenes.size() > 1 ? neutralStart(job.present, 1) : startOf(job.present);
       job.lighting = scene.lighting;
       job.samples.resolution = scene.lighting.globalVolume.resolution;
-      job.samples.skyWeights = {job.start.skyWeight};
-      if (options.scenes.size() == 1 && job.start.name != "cones")
-        for (const float weight : {0.25f, 0.375f, 0.5f, 0.75f})
-          if (weight != job.start.skyWeight) job.samples.skyWeights.push_back(weight);
+      job.samples.skyWeights = skyWeightsOf(options, job);
     }
     const auto references = readReferences(options.reference, path);
     if (!references) return Failure{references.error(), ExitCode::unreadable};
@@ -134,8 +148,8 @@ std::string sourceOf(const Estimator& estimator) {
 
 std::string textOf(const Job& job, const Calibration& made) {
   const Estimator& estimator = made.estimator;
-  std::string text = fmt::format("{}, {} taps: {} points of {} frames and {} objects\n", estimator.name, estimator.taps,
-                                 job.samples.sky.size(), distinct(job.samples.frames), distinct(job.samples.objects));
+  std::string text = fmt::format("{}, {} taps: {} points of {} frames and {} objects or parts of large ones\n", estimator.name,
+                                 estimator.taps, job.samples.sky.size(), distinct(job.samples.frames), distinct(job.samples.objects));
   const auto row = [&](const char* what, double error) {
     text += fmt::format("  {:<36}{}\n", what, error < 0.0 ? "too few to leave out" : fmt::format("{:.4f}", error));
   };
@@ -189,8 +203,7 @@ int finish(const Options& options, const Job& job) {
     printResult(options.json ? jsonOf(job, made, false) : textOf(job, made) + sourceOf(made.estimator));
     return static_cast<int>(ExitCode::ok);
   }
-  Calibration made = calibrate(job.samples, job.start, kScenePull);
-  crossValidate(job.samples, job.start, kScenePull, made);
+  const Calibration made = calibrateScene(job.samples, job.start, job.present);
   const bool writes = made.better && !options.dryRun;
   if (writes) {
     Lighting lighting = job.lighting;

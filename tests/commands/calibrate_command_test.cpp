@@ -45,7 +45,7 @@ TEST_F(CalibrateCommand, FitsAndWritesTheSceneAndNothingElseInIt) {
   const ShellResult dry = play(command + " --dry-run");
   ASSERT_EQ(dry.exitCode, 0) << dry.output;
   EXPECT_THAT(dry.output, HasSubstr("published, 4 taps: "));
-  EXPECT_THAT(dry.output, HasSubstr("of 2 frames and 2 objects"));
+  EXPECT_THAT(dry.output, HasSubstr(" points of 2 frames and "));
   EXPECT_THAT(dry.output, HasSubstr("not written (--dry-run)"));
   EXPECT_EQ(sceneJson(), plainScene);
 

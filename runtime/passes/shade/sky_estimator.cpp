@@ -27,7 +27,7 @@ constexpr float kNearestTap = 0.75f;
 struct Reach {
   double first;
   double last;
-  int coarser;
+  double coarser;
 };
 constexpr int kSharp = -shared::kMaxPyramidLevels;
 
@@ -52,7 +52,7 @@ std::vector<SkyTap> tapsWithin(int count, const Reach& reach, int resolution) {
   for (int tap = 0; tap < count; ++tap) {
     const double voxels = reach.first * std::pow(ratio, tap) * resolution / kTapResolution;
     const auto distance = std::max(static_cast<float>(voxels), kNearestTap);
-    const int level = static_cast<int>(std::lround(std::log2(distance))) + reach.coarser;
+    const int level = static_cast<int>(std::lround(std::log2(distance) + reach.coarser));
     taps.push_back({distance, 0.0f, std::clamp(level, 0, shared::kMaxPyramidLevels - 1), 0});
   }
   return taps;
@@ -70,7 +70,7 @@ void addCalibratedTaps(const Estimator& estimator, int resolution, SkyEstimator&
   CalibratedConstants constants{estimator.weights, estimator.steps};
   if (constants.weights.empty()) constants = ownConstants(estimator.taps);
   const auto count = static_cast<int>(constants.weights.size());
-  made.taps = tapsWithin(count, {1.7, count <= 4 ? 28.0 : 55.0, 0}, resolution);
+  made.taps = tapsWithin(count, count <= 5 ? Reach{1.8, count <= 4 ? 44.0 : 45.0, 0.3} : Reach{1.7, 55.0, 0.6}, resolution);
   for (std::size_t tap = 0; tap < constants.weights.size(); ++tap) made.taps[tap].weight = constants.weights[tap];
   for (const SkyStep& step : constants.steps) made.steps.push_back(sharedStep(step));
 }
