@@ -1,4 +1,4 @@
-// The program's own constants of `calibrated` (shade.h), fitted to generated scenes by `./run calibrate`.
+// The program's own constants of `calibrated` (shade.h), fitted to the generated scenes 1 to 96; `./run calibrate` fits such anew.
 #pragma once
 
 #include <vector>
