@@ -78,7 +78,10 @@ Result<Done> makeTargets(const Device& device, FrameRenderer& renderer) {
   Result<Done> done = take(makeGeometryImages(device, full, {renderer.apertures, renderer.transfer}), targets.images);
   const GpuBuffer* sky = renderer.sky.buffer ? &renderer.sky : nullptr;
   if (done) done = take(makeLightImage(device, targets.images), targets.light);
-  if (done && takesTurns(renderer)) done = take(makeDenoisePass(device, targets.images, targets.light, sky), targets.denoise.emplace());
+  if (done && takesTurns(renderer)) {
+    const DenoiseSettings wide{settings.technique.technique == Technique::overcast, sky};
+    done = take(makeDenoisePass(device, targets.images, targets.light, wide), targets.denoise.emplace());
+  }
   const GpuImage& light = targets.denoise ? targets.denoise->raw : targets.light;
   if (done && settings.technique.technique != Technique::overcast) {
     const BaselineInputs inputs{targets.images, light, renderer.composite.volume, renderer.surfels ? &*renderer.surfels : nullptr};

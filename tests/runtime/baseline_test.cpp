@@ -211,6 +211,21 @@ TEST(DenoiseFormulas, EveryWindowHoldsEachPlaceOfThePatternOnce) {
     }
 }
 
+TEST(DenoiseFormulas, FourWidenedWindowsHoldEachPlaceOfTheWidePatternOnce) {
+  for (const glm::ivec2 pixel : {glm::ivec2(8, 8), glm::ivec2(13, 10), glm::ivec2(11, 15)}) {
+    std::array<float, shared::kWidePatternSize> sums{};
+    for (int corner = 0; corner < 4; ++corner)
+      for (int dy = -shared::kDenoiseReach; dy <= shared::kDenoiseReach; ++dy)
+        for (int dx = -shared::kDenoiseReach; dx <= shared::kDenoiseReach; ++dx) {
+          const glm::ivec2 middle = pixel + shared::kDenoiseReach * (2 * glm::ivec2(corner & 1, corner >> 1) - 1);
+          sums.at(static_cast<std::size_t>(shared::widePatternPlace(middle + glm::ivec2(dx, dy)))) += shared::windowWeight(dx, dy);
+        }
+    for (const float sum : sums) EXPECT_EQ(sum, 1.0f);
+  }
+  EXPECT_EQ(shared::wideShare(16.0f), 0.0f) << "what stands near";
+  EXPECT_EQ(shared::wideShare(32.0f), 1.0f);
+}
+
 TEST(DenoiseFormulas, NeighboursCountInThePixelsPlaneOnly) {
   const glm::vec3 up(0, 1, 0);
   EXPECT_NEAR(shared::surfaceWeight({1e-4f, 0, 0}, up, up), 1.0f, 1e-6f);

@@ -51,7 +51,7 @@ class Shade : public test::DeviceTest {
     PyramidPass pyramid = makePyramidPass(device, volume, estimator.levels).value();
     GeometryImages images = test::uploadGround(device, ground, setting);
     GpuImage light = makeLightImage(device, images).value();
-    DenoisePass denoise = makeDenoisePass(device, images, light).value();
+    DenoisePass denoise = makeDenoisePass(device, images, light, {.wide = true}).value();
     ShadePass pass = makeShadePass(device, images, estimator.traced > 0 ? denoise.raw : light, pyramid, estimator).value();
     const ShadeView view{test::clipFromRelative(setting), setting.eye, setting.skyColour, glm::vec3(kUp)};
     const Result<Done> done = runCommands(device, [&](VkCommandBuffer commands) {

@@ -1,4 +1,5 @@
-// One thread per pixel: its visibility (alpha of `raw`) averaged over the pattern, and the sky's light.
+// One thread per pixel: its visibility (alpha of `raw`) averaged over the pattern, and the sky's light. Of the two steps of the wide
+// pattern OVERCAST_FIRST averages alone, together with how near things are (red of `raw`, per pixel), and OVERCAST_WIDEN widens that.
 #version 460
 #include "runtime/passes/denoise/denoise.h"
 #include "runtime/passes/screen/screen.glsl"
@@ -9,27 +10,51 @@ layout(push_constant) uniform Push {
 #include "runtime/passes/screen/open_sky.glsl"
 layout(set = 0, binding = 4) uniform sampler2D raw;
 
-void main() {
-  ivec2 pixel;
-  vec3 point;
-  if (!surfaceOfThread(push.relativeFromClip, pixel, point)) return;
-  ivec2 size = imageSize(lightImage);
-  vec3 normal = texelFetch(normalImage, pixel, 0).xyz;
-  float sum = 0.0f;
+// Weight on the surface of the pixel at `point` with `normal` of another, 0 where there is none.
+float weightOf(ivec2 other, ivec2 size, vec3 point, vec3 normal) {
+  if (any(lessThan(other, ivec2(0))) || any(greaterThanEqual(other, size))) return 0.0f;
+  float depth = texelFetch(depthImage, other, 0).r;
+  if (depth <= 0.0f) return 0.0f;
+  vec3 way = pointOfPixel(push.relativeFromClip, other, size, depth) - point;
+  return surfaceWeight(way, normal, texelFetch(normalImage, other, 0).xyz);
+}
+
+#ifdef OVERCAST_WIDEN
+vec4 denoised(ivec2 pixel, ivec2 size, vec3 point, vec3 normal) {
+  vec4 own = texelFetch(raw, pixel, 0);
+  vec4 mean = own;
+  for (int corner = 0; corner < 4; ++corner) {
+    ivec2 other = pixel + kDenoiseReach * (2 * ivec2(corner & 1, corner >> 1) - 1);
+    float weight = weightOf(other, size, point, normal);
+    if (weight > 0.0f) mean += 0.25f * weight * (texelFetch(raw, other, 0) - own);
+  }
+  return mix(own, mean, wideShare(1.0f / max(own.r, 1.0e-4f)));
+}
+#else
+vec4 denoised(ivec2 pixel, ivec2 size, vec3 point, vec3 normal) {
+  vec4 sum = vec4(0.0f);
   float weights = 0.0f;
   for (int y = -kDenoiseReach; y <= kDenoiseReach; ++y) {
     for (int x = -kDenoiseReach; x <= kDenoiseReach; ++x) {
       ivec2 other = pixel + ivec2(x, y);
-      if (any(lessThan(other, ivec2(0))) || any(greaterThanEqual(other, size))) continue;
-      float depth = texelFetch(depthImage, other, 0).r;
-      if (depth <= 0.0f) continue;
-      vec3 way = pointOfPixel(push.relativeFromClip, other, size, depth) - point;
-      float weight = windowWeight(x, y);
-      if (other != pixel) weight *= surfaceWeight(way, normal, texelFetch(normalImage, other, 0).xyz);
-      sum += weight * texelFetch(raw, other, 0).a;
+      float weight = other == pixel ? 1.0f : windowWeight(x, y) * weightOf(other, size, point, normal);
+      if (weight > 0.0f) sum += weight * texelFetch(raw, other, 0);
       weights += weight;
     }
   }
-  float sky = sum / weights;
-  writeLight(pixel, openSky(normal) * sky, sky);
+  return sum / weights;
+}
+#endif
+
+void main() {
+  ivec2 pixel;
+  vec3 point;
+  if (!surfaceOfThread(push.relativeFromClip, pixel, point)) return;
+  vec3 normal = texelFetch(normalImage, pixel, 0).xyz;
+  vec4 made = denoised(pixel, imageSize(lightImage), point, normal);
+#ifdef OVERCAST_FIRST
+  imageStore(lightImage, pixel, made);
+#else
+  writeLight(pixel, openSky(normal) * made.a, made.a);
+#endif
 }

@@ -3,6 +3,10 @@
 // A pass whose samples differ from pixel to pixel in a pattern that repeats every four pixels gets all sixteen sets in each pixel, without
 // noise and without a history: every window of 5x5 pixels with half weights on its border holds each place of the pattern with weight 1.
 // Neighbours count as far as they lie in the pixel's plane and face as it does (a bilateral filter, Tomasi and Manduchi 1998).
+//
+// Widened, sixty-four sets in a pattern of 8x8 pixels: what the first step makes of the four pixels two away to the left or right and two
+// up or down covers each of them once. Where something stands near, light changes within fewer pixels than that, and the first step
+// remains.
 #ifndef RUNTIME_PASSES_DENOISE_DENOISE_H
 #define RUNTIME_PASSES_DENOISE_DENOISE_H
 
@@ -13,6 +17,7 @@ OVERCAST_SHARED_BEGIN
 const int kPatternSide = 4;
 const int kPatternSize = 16;
 const int kDenoiseReach = 2;  ///< pixels to either side
+const int kWidePatternSize = 64;
 
 struct DenoisePush {
   mat4 relativeFromClip;  //  0: positions relative to the eye from clip space, before the division by w
@@ -24,6 +29,18 @@ OVERCAST_INLINE int patternPlace(ivec2 pixel) {
   int x = pixel.x & 3, y = pixel.y & 3;
   int mixed = x ^ y;
   return ((mixed & 1) << 3) | ((y & 1) << 2) | (mixed & 2) | (y >> 1);
+}
+
+/// Place of a pixel in the pattern of 8x8, 0 to 63, likewise.
+OVERCAST_INLINE int widePatternPlace(ivec2 pixel) {
+  int mixed = pixel.x ^ pixel.y;
+  int block = ((mixed & 4) >> 1) | ((pixel.y & 4) >> 2);
+  return (patternPlace(pixel) << 2) | block;
+}
+
+/// How much of its light a pixel takes from the wider window where what its rays meet is `away` pixels away (the harmonic mean), 0 to 1.
+OVERCAST_INLINE float wideShare(float away) {
+  return clamp(away / 16.0f - 1.0f, 0.0f, 1.0f);
 }
 
 /// Weight of a neighbour by where it is in the window.

@@ -1,4 +1,4 @@
-// The denoise pass: gives every pixel the mean of the sixteen sets of samples of its neighbours (denoise.h has the formulas).
+// The denoise pass: gives every pixel the mean of its neighbours' sets of samples (denoise.h has the formulas).
 #pragma once
 
 #include "runtime/passes/geometry/geometry_pass.h"
@@ -9,14 +9,20 @@
 namespace overcast {
 
 struct DenoisePass {
-  GpuImage raw;  ///< makeLightImage; the pass before writes it, alpha alone is read
+  GpuImage raw;  ///< makeLightImage; the pass before writes visibility as alpha and, where it is wide, nearness as red
   ScreenPass screen;
+  GpuImage mean;  ///< of a wide pattern, as `screen` leaves it for `widen`
+  ScreenPass widen;
 };
 
-/// Denoises `raw` into `light`, for pixels of `images`; both must outlive the pass, as must `sky`, a shared::SkyLight, without which the
-/// sky is uniform.
+struct DenoiseSettings {
+  bool wide = false;               ///< the pattern is that of 8x8
+  const GpuBuffer* sky = nullptr;  ///< a shared::SkyLight; null: the sky is uniform
+};
+
+/// Denoises `raw` into `light`, for pixels of `images`; both must outlive the pass, as must the sky.
 Result<DenoisePass> makeDenoisePass(const Device& device, const GeometryImages& images, const GpuImage& light,
-                                    const GpuBuffer* sky = nullptr);
+                                    const DenoiseSettings& settings = {});
 void destroyDenoisePass(const Device& device, DenoisePass& pass);
 
 /// Records the pass; outside of rendering, after the pass that writes `raw`.

@@ -32,14 +32,20 @@ OVERCAST_INLINE float rayHit(float t) {
   return kRayHit * min(0.5f * t, 1.0f);
 }
 
-/// Direction of ray `ray` of `count` about +z at `place` of the pattern (0 to 15), unit length, z > 0.
-OVERCAST_INLINE vec3 rayDirection(int ray, int count, int place) {
+/// Direction of ray `ray` of `count` about +z, unit length, z > 0, on a spiral moved outward by `shift` of a ray's share, above 0 and below
+/// 1, and turned by `turn` radians.
+OVERCAST_INLINE vec3 spiralDirection(int ray, int count, float shift, float turn) {
   const float goldenAngle = 2.39996323f;
-  const float sixteenth = 0.392699082f;
-  float squared = (float(ray) + (float((7 * place) & 15) + 0.5f) / 16.0f) / float(count);
+  float squared = (float(ray) + shift) / float(count);
   float radius = sqrt(squared);
-  float angle = goldenAngle * float(ray) + sixteenth * float(place);
+  float angle = goldenAngle * float(ray) + turn;
   return vec3(radius * cos(angle), radius * sin(angle), sqrt(1.0f - squared));
+}
+
+/// That at `place` of the pattern (0 to 15).
+OVERCAST_INLINE vec3 rayDirection(int ray, int count, int place) {
+  const float sixteenth = 0.392699082f;
+  return spiralDirection(ray, count, (float((7 * place) & 15) + 0.5f) / 16.0f, sixteenth * float(place));
 }
 
 OVERCAST_SHARED_END

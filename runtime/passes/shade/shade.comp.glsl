@@ -15,7 +15,9 @@ void main() {
   if (!surfaceOfThread(push.voxelFromClip, pixel, p)) return;
   vec3 normal = texelFetch(normalImage, pixel, 0).xyz;
 #ifdef OVERCAST_TRACED
-  imageStore(lightImage, pixel, vec4(0.0f, 0.0f, 0.0f, visibilityOfPlace(p, normal, patternPlace(pixel))));
+  vec2 sky = visibilityOfPlace(p, normal, widePatternPlace(pixel));
+  vec3 beside = pointOfPixel(push.voxelFromClip, pixel + ivec2(1, 0), imageSize(lightImage), texelFetch(depthImage, pixel, 0).r);
+  imageStore(lightImage, pixel, vec4(sky.y * distance(p, beside), 0.0f, 0.0f, sky.x));
 #else
   float sky = visibility(p, normal, push.skew);
   writeLight(pixel, openSky(normal) * sky, sky);

@@ -1,7 +1,7 @@
 // Sky visibility at a point by the scene's estimator (shade.h), which is bindings 4 to 12:
 //   float visibility(vec3 p, vec3 normal, vec4 skew)   p in voxels, unit normal, ShadePush::skew
 // OVERCAST_TAPS taps of the estimator, along the skewed normal (with OVERCAST_STEPS soft steps) or along each of OVERCAST_CONES cones.
-// OVERCAST_TRACED: so many rays for each place of the pattern; visibilityOfPlace has those of one alone.
+// OVERCAST_TRACED: so many rays for each place of the pattern, of which a point takes a quarter; visibilityOfPlace has those of one.
 #include "runtime/passes/shade/shade.h"
 
 // Levels that no tap reads repeat the last one.
@@ -47,8 +47,8 @@ float field(int level, vec3 p) {
 }
 
 #ifdef OVERCAST_TRACED
-// Whether a ray leaves the volume.
-bool leaves(vec3 from, vec3 direction) {
+// How many voxels away a ray meets a surface; 0: it leaves the volume.
+float meets(vec3 from, vec3 direction) {
   vec3 size = vec3(textureSize(level0, 0));
   float end = reachInVolume(from, direction, size);
   float t = max(kTraceFirst, wayToVolume(from, direction, size));
@@ -56,24 +56,27 @@ bool leaves(vec3 from, vec3 direction) {
   vec3 way = direction / size;
   for (int i = 0; i < kRaySteps && t < end; ++i) {
     float phi = textureLod(level0, start + t * way, 0.0f).r;
-    if (phi < rayHit(t)) return false;
+    if (phi < rayHit(t)) return t;
     t += max(phi, kRayShortest);
   }
-  return true;
+  return 0.0f;
 }
 
-// By the rays of one place of the pattern (denoise.h).
-float visibilityOfPlace(vec3 p, vec3 normal, int place) {
+// Visibility by the rays of one place of the wide pattern (denoise.h), and the mean of one over how many voxels away they meet something.
+vec2 visibilityOfPlace(vec3 p, vec3 normal, int place) {
   mat3 frame = frameAbout(normal);
   vec3 from = p + kRayStart * normal;
-  float sum = 0.0f;
-  for (int ray = 0; ray < OVERCAST_TRACED; ++ray) sum += leaves(from, frame * rayDirection(ray, OVERCAST_TRACED, place)) ? 1.0f : 0.0f;
+  vec2 sum = vec2(0.0f);
+  for (int ray = 0; ray < OVERCAST_TRACED; ++ray) {
+    float t = meets(from, frame * tracedDirection(ray, OVERCAST_TRACED, place));
+    sum += t > 0.0f ? vec2(0.0f, 1.0f / t) : vec2(1.0f, 0.0f);
+  }
   return sum / float(OVERCAST_TRACED);
 }
 
 float visibility(vec3 p, vec3 normal, vec4 skew) {
   float sum = 0.0f;
-  for (int place = 0; place < kPatternSize; ++place) sum += visibilityOfPlace(p, normal, place);
+  for (int place = 0; place < kPatternSize; ++place) sum += visibilityOfPlace(p, normal, 4 * place).x;
   return sum / float(kPatternSize);
 }
 #elif defined(OVERCAST_CONES)
