@@ -282,7 +282,7 @@ std::string stepsChart(const ReportScene& scene) {
   std::string svg = fmt::format("<svg class=\"chart\" viewBox=\"0 0 1200 {:.0f}\" role=\"img\">\n", bottom + 22.0);
   for (std::size_t i = 0; i < rows[0]->steps.size(); ++i)
     svg += fmt::format("<rect x=\"{0}\" y=\"3\" width=\"10\" height=\"10\" fill=\"{1}\"/><text x=\"{2}\" y=\"12\">{3}</text>\n",
-                       names + 95.0 * static_cast<double>(i), kColours[i % kColours.size()], names + 14.0 + 95.0 * static_cast<double>(i),
+                       names + 115.0 * static_cast<double>(i), kColours[i % kColours.size()], names + 14.0 + 115.0 * static_cast<double>(i),
                        escapedHtml(rows[0]->steps[i].name));
   svg += fmt::format("<text x=\"{}\" y=\"12\" text-anchor=\"end\">RMSE</text>\n", names - 10.0);
   for (std::size_t r = 0; r < rows.size(); ++r) {

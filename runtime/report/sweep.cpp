@@ -52,10 +52,14 @@ constexpr std::array kSweep{
     SweepRow{"traced", 64, 1, 0, false, kVariant},
     SweepRow{"traced", 128, 1, 4, false, kQuick},
     SweepRow{"traced", 128, 1, 0, false, kVariant},
+    SweepRow{"traced", 128, 1, 16, false, kQuick},
     SweepRow{"traced", 256, 1, 0, false, kQuick},
     SweepRow{"traced", 32, 1},
     SweepRow{"traced", 96, 1},
-    SweepRow{"traced", 128, 1, 16},
+    SweepRow{"traced", 128, 1, 1},
+    SweepRow{"traced", 128, 1, 2},
+    SweepRow{"traced", 128, 1, 32},
+    SweepRow{"traced", 128, 1, 64},
     SweepRow{"traced", 192, 1},
     SweepRow{"hybrid", 64, 4, 0, kWithApertures, kQuick},
     SweepRow{"hybrid", 128, 4, 0, kWithApertures, kVariant},
@@ -87,7 +91,7 @@ std::string nameOf(const SweepSetting& setting) {
     return setting.resolution > 0 ? fmt::format("{}, {}^3", overcast::nameOf(setting.technique), setting.resolution)
                                   : overcast::nameOf(setting.technique);
   std::string name = setting.estimator;
-  if (setting.cones > 0) name += fmt::format(", {} cones", setting.cones);
+  if (setting.cones > 0) name += fmt::format(", {} {}", setting.cones, setting.estimator == "traced" ? "rays" : "cones");
   if (setting.estimator != "traced") name += fmt::format(", {} taps", setting.taps);  // which steps where the field lets it
   name += fmt::format(", {}^3", setting.resolution);
   if (setting.apertures)
