@@ -18,6 +18,10 @@ void addApertureOptions(CLI::App& app, ApertureOptions& options) {
   app.add_option("--occluders", options.occluders, "what hides the sky: self, each mesh from itself; scene, all objects that never move")
       ->check(CLI::IsMember({"self", "scene"}))
       ->default_str("self");
+  app.add_option("--aperture-vertices", options.vertices,
+                 "cut triangles where what is seen bends between vertices, until a mesh has so many; 0: leave meshes as they are")
+      ->check(CLI::Range(0, kMostRefinedVertices))
+      ->default_str("0");
   app.add_option("--texels", options.texels, "texels a side of a map of apertures")
       ->check(CLI::Range(kFewestTexels, kLargestApertureMapSide))
       ->default_str(std::to_string(kDefaultTexels));
@@ -35,6 +39,7 @@ Result<std::optional<SceneApertureSettings>> apertureSettings(const ApertureOpti
   const Detail details[] = {{"--rays", options.rays.has_value(), texel || vertex, "vertex or texel"},
                             {"--occluders", !options.occluders.empty(), texel || vertex, "vertex or texel"},
                             {"--aperture-bytes", options.bytes.has_value(), vertex, "vertex"},
+                            {"--aperture-vertices", options.vertices.has_value(), vertex, "vertex"},
                             {"--transfer", options.transfer, vertex, "vertex"},
                             {"--texels", options.texels.has_value(), texel, "texel"},
                             {"--atlas", options.atlas, texel, "texel"}};
@@ -46,6 +51,7 @@ Result<std::optional<SceneApertureSettings>> apertureSettings(const ApertureOpti
   settings.aperture.visibility.transfer = options.transfer;
   if (options.bytes == 8) settings.aperture.bits = ApertureBits::packed64;
   if (options.occluders == "scene") settings.occluders = Occluding::scene;
+  settings.mostVertices = static_cast<std::size_t>(options.vertices.value_or(0));
   if (!texel) return std::optional(settings);
   ApertureMapSettings& map = settings.map.emplace();
   map.visibility = settings.aperture.visibility;

@@ -18,6 +18,7 @@ struct ApertureOptions {
   std::string where = "none";  ///< none, vertex or texel
   std::optional<int> rays;     ///< empty: not given, as of those below
   std::optional<int> bytes;
+  std::optional<int> vertices;
   std::optional<int> texels;
   std::string occluders;  ///< self or scene
   bool transfer = false;

@@ -16,16 +16,6 @@ std::size_t at(int index) {
   return static_cast<std::size_t>(index);
 }
 
-/// Per node: whether an animation moves it or one of its ancestors.
-std::vector<char> movingNodes(const Scene& scene) {
-  std::vector<char> animated(scene.nodes.size(), 0), moving(scene.nodes.size(), 0);
-  for (const Animation& animation : scene.animations)
-    for (const AnimationChannel& channel : animation.channels) animated[at(channel.node)] = 1;
-  for (std::size_t n = 0; n < scene.nodes.size(); ++n)
-    for (int node = static_cast<int>(n); node >= 0 && !moving[n]; node = scene.nodes[at(node)].parent) moving[n] = animated[at(node)];
-  return moving;
-}
-
 /// Gives every resting node a mesh that no other node shows.
 void separateMeshes(SceneBake& bake, const std::vector<char>& moving) {
   std::map<int, int> entry;  // of SceneBake::meshes, by mesh
@@ -119,7 +109,7 @@ void giveVertices(MeshBake& job, Mesh& mesh, const SceneApertureSettings& settin
   job.apertures = baked.report;
 }
 
-void giveMap(MeshBake& job, Mesh& mesh, BakedApertureMap baked) {
+void giveMap(MeshBake& job, Mesh& mesh, Occluding occluders, BakedApertureMap baked) {
   job.mapBytes = encodeApertureMap(baked.map);
   baked.report.bytes = job.mapBytes.size();
   job.apertureMap = baked.report;
@@ -128,6 +118,7 @@ void giveMap(MeshBake& job, Mesh& mesh, BakedApertureMap baked) {
   ApertureLink& link = mesh.apertureMap.emplace();
   link.contentHash = contentHash(job.mapBytes);
   link.bytes = job.mapBytes.size();
+  link.sceneOccludes = occluders == Occluding::scene;
   if (baked.report.samples == 0) return;
   link.radiusError = baked.report.error.radius;
   link.ambientError = baked.report.error.ambient;
@@ -164,14 +155,16 @@ std::string settingsText(const SceneApertureSettings& settings) {
     return fmt::format("aperture maps: rays {} texels {} atlas {} samples {} seed {} occluders {}", map->visibility.rays, map->texels,
                        map->atlas, map->errorSamples, map->seed, static_cast<int>(settings.occluders));
   const ApertureSettings& aperture = settings.aperture;
-  return fmt::format("apertures: rays {} transfer {} bits {} samples {} seed {} occluders {}", aperture.visibility.rays,
+  return fmt::format("apertures: rays {} transfer {} bits {} samples {} seed {} occluders {} vertices {}", aperture.visibility.rays,
                      aperture.visibility.transfer, static_cast<int>(aperture.bits), aperture.errorSamples, aperture.seed,
-                     static_cast<int>(settings.occluders));
+                     static_cast<int>(settings.occluders), settings.mostVertices);
 }
 
 void bakeSceneApertures(SceneBake& bake, const SceneApertureSettings& settings, const Progress& progress, const MeshDone& done) {
   const std::vector<char> moving = movingNodes(bake.scene);
   if (settings.occluders == Occluding::scene) separateMeshes(bake, moving);
+  VisibilitySettings aperture = settings.aperture.visibility;
+  aperture.transfer = false;
   const Stage stage = prepare(bake, moving, settings);
   const auto count = static_cast<double>(bake.meshes.size());
   for (std::size_t i = 0; i < bake.meshes.size(); ++i) {
@@ -187,8 +180,9 @@ void bakeSceneApertures(SceneBake& bake, const SceneApertureSettings& settings, 
       if (progress && !progress((static_cast<double>(i) + part) / count)) stopped = true;
       return !stopped;
     };
+    if (settings.mostVertices > 0) mesh = refined(std::move(mesh), occluders, {settings.mostVertices, aperture}, share);
     if (settings.map)
-      giveMap(job, mesh, bakeApertureMap(mesh, occluders, *settings.map, share));
+      giveMap(job, mesh, settings.occluders, bakeApertureMap(mesh, occluders, *settings.map, share));
     else
       giveVertices(job, mesh, settings, bakeApertures(mesh, occluders, settings.aperture, share));
     if (stopped) return;

@@ -5,6 +5,7 @@
 #include <string>
 
 #include "bake/aperture.h"
+#include "bake/aperture_refine.h"
 #include "bake/scene_bake.h"
 
 namespace overcast {
@@ -15,6 +16,7 @@ enum class Occluding { self, scene };
 struct SceneApertureSettings {
   ApertureSettings aperture;               ///< at vertices
   std::optional<ApertureMapSettings> map;  ///< given: maps, and nothing at vertices
+  std::size_t mostVertices = 0;            ///< at vertices: a mesh is refined (bake/aperture_refine.h) up to so many; 0: none is
   Occluding occluders = Occluding::self;
 };
 
@@ -39,6 +41,8 @@ std::string settingsText(const SceneApertureSettings& settings);
 /// land in MeshBake::mapBytes and lack their uri, which writeBake fills in. Meshes
 /// without normals get them first (formats/normals.h; creases split vertices). Points and directions are in the mesh's own space: under a
 /// node that scales unevenly its apertures are approximate.
+///
+/// Refined meshes (SceneApertureSettings::mostVertices) take the place of those of the scene; occluders stay as they are.
 ///
 /// With Occluding::scene, nodes that no animation moves see each other where they lie; nodes that move see and hide nothing but
 /// themselves. A mesh that several of the resting nodes show is copied for each of them, since each sees something else; the copies share

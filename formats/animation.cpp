@@ -98,6 +98,16 @@ std::vector<glm::dvec3> usedPositions(const Mesh& mesh) {
 
 }  // namespace
 
+std::vector<char> movingNodes(const Scene& scene) {
+  std::vector<char> animated(scene.nodes.size(), 0), moving(scene.nodes.size(), 0);
+  for (const Animation& animation : scene.animations)
+    for (const AnimationChannel& channel : animation.channels) animated[static_cast<std::size_t>(channel.node)] = 1;
+  for (std::size_t n = 0; n < scene.nodes.size(); ++n)
+    for (int node = static_cast<int>(n); node >= 0 && !moving[n]; node = scene.nodes[static_cast<std::size_t>(node)].parent)
+      moving[n] = animated[static_cast<std::size_t>(node)];
+  return moving;
+}
+
 double animationDuration(const Scene& scene) {
   double duration = 0.0;
   for (const Animation& animation : scene.animations)

@@ -16,6 +16,7 @@ struct ApertureLink {
   std::string contentHash;       ///< of that file (formats/files.h)
   std::uint64_t bytes = 0;       ///< of that file
   int texCoord = 0;              ///< which set of the file's, n of TEXCOORD_n; 0 in memory, where a mesh has one set
+  bool sceneOccludes = false;    ///< all objects at rest hide the sky; else the mesh alone
   double radiusError = -1.0;     ///< radians
   double ambientError = -1.0;    ///< of the cosine-weighted visibility
   double directionError = -1.0;  ///< radians, over points that see something

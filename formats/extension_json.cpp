@@ -100,11 +100,19 @@ void readOccluder(Fields& fields, Occluder& occluder) {
   fields.text("settingsHash", occluder.settingsHash, true);
 }
 
+void readOccluders(Fields& fields, bool& sceneOccludes) {
+  std::string occluders;
+  fields.text("occluders", occluders, false);
+  sceneOccludes = occluders == kSceneOccludes;
+  if (!sceneOccludes && occluders != kSelfOccludes) fields.fail("occluders", fmt::format("'{}' is neither self nor scene", occluders));
+}
+
 void readAperture(Fields& fields, ApertureLink& link) {
   fields.version(kApertureLinkVersion);
   readFileOf(fields, link.uri, link.contentHash);
   fields.integer("bytes", link.bytes, std::uint64_t{0}, std::numeric_limits<std::uint64_t>::max());
   if (fields.has("texCoord")) fields.integer("texCoord", link.texCoord, 0, kLargestTexCoord);
+  if (fields.has("occluders")) readOccluders(fields, link.sceneOccludes);
   if (!fields.has("error")) return;
   Fields error = fields.child("error");
   error.number("radius", link.radiusError, 0.0, kLargestNumber);
@@ -116,10 +124,7 @@ void readApertureBake(Fields& fields, ApertureBake& bake) {
   constexpr std::uint64_t largest = std::numeric_limits<std::uint64_t>::max();
   fields.version(kApertureBakeVersion);
   fields.integer("rays", bake.rays, std::uint32_t{1}, kMostApertureRays);
-  std::string occluders;
-  fields.text("occluders", occluders, false);
-  bake.sceneOccludes = occluders == kSceneOccludes;
-  if (!bake.sceneOccludes && occluders != kSelfOccludes) fields.fail("occluders", fmt::format("'{}' is neither self nor scene", occluders));
+  readOccluders(fields, bake.sceneOccludes);
   fields.flag("fitted", bake.fitted);
   fields.integer("samples", bake.samples, std::uint64_t{0}, largest);
   fields.integer("seed", bake.seed, std::uint64_t{0}, largest);
@@ -288,7 +293,8 @@ std::string apertureJson(const ApertureLink& link) {
                {"uri", uriFromPath(link.uri)},
                {"contentHash", link.contentHash},
                {"bytes", link.bytes},
-               {"texCoord", link.texCoord}};
+               {"texCoord", link.texCoord},
+               {"occluders", link.sceneOccludes ? kSceneOccludes : kSelfOccludes}};
   if (link.radiusError >= 0.0)
     json["error"] = {{"radius", link.radiusError}, {"ambient", link.ambientError}, {"direction", link.directionError}};
   return dumpJson(json);

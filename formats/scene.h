@@ -105,6 +105,9 @@ void removeOldBinaries(const std::filesystem::path& scene, const std::string& ke
 /// worldFromLocal of every node, in node order; [i] maps points of node i's mesh to world space.
 std::vector<glm::dmat4> worldFromLocal(const Scene& scene, double time, bool loop = true);
 
+/// Per node: 1 where an animation moves it or one of its ancestors, else 0.
+std::vector<char> movingNodes(const Scene& scene);
+
 /// Length of the longest animation in seconds; 0 when nothing moves.
 double animationDuration(const Scene& scene);
 

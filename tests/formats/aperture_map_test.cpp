@@ -200,7 +200,7 @@ TEST(ApertureMap, ALinkFindsItsFileInsideTheFolderOnly) {
   const TemporaryFolder folder;
   const ApertureMap map = randomMap({4, 4}, 6);
   ASSERT_TRUE(writeApertureMap(folder / "a b.exr", map));
-  ApertureLink link{"a b.exr", contentHash(encodeApertureMap(map)), 0, 0, -1.0, -1.0, -1.0};
+  ApertureLink link{"a b.exr", contentHash(encodeApertureMap(map)), 0, 0, false, -1.0, -1.0, -1.0};
   EXPECT_TRUE(readApertureMap(folder / "", link));
   link.contentHash[0] = link.contentHash[0] == '0' ? '1' : '0';
   EXPECT_THAT(message(readApertureMap(folder / "", link).error()), HasSubstr("content hash"));

@@ -62,7 +62,7 @@ TEST(Extension, ReadsBackBitForBit) {
     RC_ASSERT(read.ok());
     const ApertureLink& again = read.value();
     RC_ASSERT(again.uri == made.uri && again.contentHash == made.contentHash && again.bytes == made.bytes);
-    RC_ASSERT(again.texCoord == made.texCoord && again.radiusError == made.radiusError);
+    RC_ASSERT(again.texCoord == made.texCoord && again.sceneOccludes == made.sceneOccludes && again.radiusError == made.radiusError);
     RC_ASSERT(again.ambientError == made.ambientError && again.directionError == made.directionError);
   }));
   EXPECT_TRUE(rc::check("aperture bake", [](std::uint64_t seed) {

@@ -58,7 +58,7 @@ VertexVisibility visibility(Dice& dice, std::size_t vertices) {
 }
 
 ApertureLink apertureLink(Dice& dice) {
-  ApertureLink link{"maps/" + dice.name() + ".exr", hash(dice), dice.engine(), 0, -1.0, -1.0, -1.0};
+  ApertureLink link{"maps/" + dice.name() + ".exr", hash(dice), dice.engine(), 0, dice.chance(0.5), -1.0, -1.0, -1.0};
   if (dice.chance(0.5)) return link;
   link.radiusError = dice.real(0.0, 1.0);
   link.ambientError = dice.real(0.0, 1.0);
