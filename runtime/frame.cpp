@@ -54,11 +54,14 @@ void destroyTargets(const Device& device, FrameTargets& targets) {
   destroyGeometryImages(device, targets.images);
 }
 
-Estimator estimatorOf(const Lighting& lighting, const FrameSettings& settings) {
+/// The estimator asked for. Apertures are corrected by the best there is where nobody names another hybrid.
+Estimator estimatorOf(const Lighting& lighting, const FrameSettings& settings, bool apertures) {
   Estimator estimator = lighting.estimator;
-  if (settings.estimator && *settings.estimator != estimator.name) {
+  std::string name = settings.estimator.value_or(estimator.name);
+  if (apertures && !isHybrid(name)) name = kBestHybrid;
+  if (name != estimator.name) {
     estimator = Estimator{};
-    estimator.name = *settings.estimator;
+    estimator.name = name;
     estimator.taps = lighting.estimator.taps;
   }
   return settings.taps ? withTaps(std::move(estimator), *settings.taps) : estimator;
@@ -67,7 +70,7 @@ Estimator estimatorOf(const Lighting& lighting, const FrameSettings& settings) {
 /// Whether pixels take turns with their samples.
 bool takesTurns(const FrameRenderer& renderer) {
   const Technique technique = renderer.settings.technique.technique;
-  return technique == Technique::overcast ? renderer.estimator.traced > 0 && !renderer.apertures : denoises(technique);
+  return technique == Technique::overcast ? renderer.estimator.traced > 0 && (!renderer.apertures || renderer.rest) : denoises(technique);
 }
 
 Result<Done> makeTargets(const Device& device, FrameRenderer& renderer) {
@@ -75,7 +78,8 @@ Result<Done> makeTargets(const Device& device, FrameRenderer& renderer) {
   const FrameSettings& settings = renderer.settings;
   const VkExtent2D full{static_cast<std::uint32_t>(settings.width * settings.supersample),
                         static_cast<std::uint32_t>(settings.height * settings.supersample)};
-  Result<Done> done = take(makeGeometryImages(device, full, {renderer.apertures, renderer.transfer}), targets.images);
+  Result<Done> done =
+      take(makeGeometryImages(device, full, {renderer.apertures, renderer.transfer, renderer.rest.has_value()}), targets.images);
   const GpuBuffer* sky = renderer.sky.buffer ? &renderer.sky : nullptr;
   if (done) done = take(makeLightImage(device, targets.images), targets.light);
   if (done && takesTurns(renderer)) {
@@ -87,7 +91,8 @@ Result<Done> makeTargets(const Device& device, FrameRenderer& renderer) {
     const BaselineInputs inputs{targets.images, light, renderer.composite.volume, renderer.surfels ? &*renderer.surfels : nullptr};
     done = take(makeBaseline(device, settings.technique, inputs), targets.baseline.emplace());
   } else if (done) {
-    done = take(makeShadePass(device, targets.images, light, renderer.pyramid, renderer.estimator, sky), targets.shade);
+    const PyramidPass* atRest = renderer.rest && renderer.rest->volume ? &renderer.rest->volume->pyramid : nullptr;
+    done = take(makeShadePass(device, targets.images, light, renderer.pyramid, renderer.estimator, sky, atRest), targets.shade);
   }
   if (done && renderer.apertures) {
     const ApertureInputs inputs{targets.images, targets.light, renderer.manyObjects ? &renderer.pyramid : nullptr, sky};
@@ -177,7 +182,8 @@ Result<Done> fillRenderer(const Device& device, const RuntimeScene& scene, Frame
   renderer.apertures = technique == Technique::overcast && wantsApertures && hasApertures(scene);
   renderer.transfer = renderer.apertures && hasTransfer(scene);
   renderer.manyObjects = scene.objects.size() > 1;
-  Result<Done> done = take(skyEstimator(estimatorOf(scene.lighting, renderer.settings), resolution), renderer.estimator);
+  const Estimator estimator = estimatorOf(scene.lighting, renderer.settings, renderer.apertures);
+  Result<Done> done = take(skyEstimator(estimator, resolution), renderer.estimator);
   if (!renderer.settings.prefilter) renderer.estimator = unfiltered(std::move(renderer.estimator));
   const auto objects = static_cast<std::uint32_t>(scene.objects.size());
   if (done) done = makeVolume(device, scene, renderer, lender);
@@ -185,10 +191,14 @@ Result<Done> fillRenderer(const Device& device, const RuntimeScene& scene, Frame
     done = take(makeSurfelPass(device, scene, renderer.settings.technique.surfelNearness), renderer.surfels.emplace());
   if (done && technique == Technique::overcast)
     done = take(makePyramidPass(device, renderer.composite.volume, renderer.estimator.levels), renderer.pyramid);
+  if (done && renderer.apertures && canChange(scene))
+    done = take(makeRestVisibility(device, scene, lender ? lender->store : renderer.store, renderer.grid, renderer.estimator),
+                renderer.rest.emplace());
   if (done)
     done = take(makeGeometryPass(device, scene.vertices, scene.indices, objects, renderer.apertures ? scene.apertures : GpuBuffer{},
                                  renderer.transfer ? scene.transfers : GpuBuffer{},
-                                 renderer.apertures ? std::span(scene.maps) : std::span<const ApertureMapImages>()),
+                                 renderer.apertures ? std::span(scene.maps) : std::span<const ApertureMapImages>(),
+                                 renderer.rest ? renderer.rest->buffers : RestBuffers{}),
                 renderer.geometry);
   if (done && scene.sky)
     done = take(makeBuffer(device, sizeof(shared::SkyLight), VK_BUFFER_USAGE_STORAGE_BUFFER_BIT, MemoryUse::upload), renderer.sky);
@@ -306,23 +316,23 @@ struct Seen {
 };
 
 /// Light of all pixels: by another technique than ours, through apertures where the scene has them, else from the pyramid.
-void recordLight(VkCommandBuffer commands, FrameRenderer& renderer, const Lighting& lighting, const std::vector<glm::dmat4>& nodes,
-                 const Seen& seen) {
+void recordLight(VkCommandBuffer commands, FrameRenderer& renderer, const Lighting& lighting,
+                 const std::vector<shared::ApertureLight>& lights, const Seen& seen) {
   FrameTargets& targets = renderer.targets;
   if (targets.baseline) {
     const ScreenView view{seen.clipFromRelative, seen.eye, lighting.skyColour};
     timed(commands, renderer, FramePass::baseline, [&] { recordBaseline(commands, *targets.baseline, renderer.grid, view); });
-  } else if (targets.aperture) {
-    const ApertureView view{seen.clipFromRelative, seen.eye, lighting.skyColour};
-    timed(commands, renderer, FramePass::aperture,
-          [&] { recordAperture(commands, *targets.aperture, renderer.grid, apertureLights(lighting, nodes, seen.eye), view); });
-  } else {
+  } else if (!targets.aperture || renderer.rest) {
     const ShadeView view{seen.clipFromRelative, seen.eye, lighting.skyColour, lighting.up};
     timed(commands, renderer, FramePass::shade, [&] { recordShade(commands, targets.shade, renderer.grid, view); });
   }
   if (targets.denoise) {
     const ScreenView view{seen.clipFromRelative, seen.eye, lighting.skyColour};
     timed(commands, renderer, FramePass::denoise, [&] { recordDenoise(commands, *targets.denoise, view); });
+  }
+  if (targets.aperture) {
+    const ApertureView view{seen.clipFromRelative, seen.eye, lighting.skyColour};
+    timed(commands, renderer, FramePass::aperture, [&] { recordAperture(commands, *targets.aperture, renderer.grid, lights, view); });
   }
 }
 
@@ -356,6 +366,7 @@ void destroyFrameRenderer(const Device& device, FrameRenderer& renderer) {
   vkDestroyFence(device.device, renderer.done, nullptr);
   if (renderer.commands) vkFreeCommandBuffers(device.device, device.commandPool, 1, &renderer.commands);
   destroyGeometryPass(device, renderer.geometry);
+  if (renderer.rest) destroyRestVisibility(device, *renderer.rest);
   destroyBuffer(device, renderer.sky);
   destroyPyramidPass(device, renderer.pyramid);
   if (!renderer.borrows) destroyCompositePass(device, renderer.composite);
@@ -394,9 +405,11 @@ void recordFrame(VkCommandBuffer commands, FrameRenderer& renderer, const Runtim
   FrameTargets& targets = renderer.targets;
   beginTimedFrame(commands, renderer.timer, 0);
   const Technique technique = renderer.settings.technique.technique;
+  const std::vector<shared::ApertureLight> lights = apertureLights(lighting, nodes, eye(view));
+  const bool read = readsVolume(technique) && (!targets.aperture || renderer.rest || (renderer.manyObjects && !lights.empty()));
   const auto composite = [&] { return recordComposite(commands, renderer.composite, placed.occluders); };
-  const bool composited = readsVolume(technique) && (renderer.borrows || timed(commands, renderer, FramePass::composite, composite));
-  if (composited && technique == Technique::overcast && !targets.aperture)
+  const bool composited = read && (renderer.borrows || timed(commands, renderer, FramePass::composite, composite));
+  if (composited && technique == Technique::overcast && (!targets.aperture || renderer.rest))
     timed(commands, renderer, FramePass::pyramid, [&] { recordPyramid(commands, renderer.pyramid); });
   const std::vector<GeometryDraw> draws = drawsOf(scene, nodes, levels);
   renderer.triangles = trianglesOf(draws);
@@ -405,7 +418,7 @@ void recordFrame(VkCommandBuffer commands, FrameRenderer& renderer, const Runtim
   if (renderer.surfels)
     timed(commands, renderer, FramePass::surfelGather,
           [&] { recordSurfels(commands, *renderer.surfels, placed.worldFromCentre, eye(view), lighting.skyColour); });
-  recordLight(commands, renderer, lighting, nodes, {clip, eye(view)});
+  recordLight(commands, renderer, lighting, lights, {clip, eye(view)});
   const TonemapView shown{glm::mat4(glm::inverse(clip)), lighting.skyColour, lighting.up, lighting.exposure};
   timed(commands, renderer, FramePass::tonemap, [&] { recordTonemap(commands, targets.tonemap, shown); });
 }

@@ -1,8 +1,10 @@
 // Frame: the ordered passes that this scene needs, from a point in time to a picture:
 //   transforms -> composite -> pyramid -> geometry -> shade -> tonemap
 // A technique other than Overcast's own (technique.h) has its passes in place of pyramid and shade, and no global volume where it reads
-// none. Composite and pyramid are skipped while nothing moves. Scenes with apertures have the aperture pass in place of pyramid and shade;
-// to others it costs nothing. The same scene, time, view and settings give the same bytes on one device, whatever frames came before.
+// none. Composite and pyramid are skipped while nothing moves. Scenes with apertures have the aperture pass after shade, which goes on with
+// what that found out about the sky (runtime/passes/shade/rest.h); where nothing can change since the bake, in its place, and without a
+// volume where there are no lamps either. To other scenes it costs nothing. The same scene, time, view and settings give the same bytes on
+// one device, whatever frames came before.
 #pragma once
 
 #include <optional>
@@ -22,6 +24,7 @@
 #include "runtime/passes/pyramid/pyramid_pass.h"
 #include "runtime/passes/shade/shade_pass.h"
 #include "runtime/passes/tonemap/tonemap_pass.h"
+#include "runtime/rest_visibility.h"
 #include "runtime/scene.h"
 #include "runtime/technique.h"
 #include "runtime/vulkan/device.h"
@@ -38,7 +41,8 @@ struct FrameSettings {
   ApertureMode apertureMode = ApertureMode::accurate;
   std::optional<Daylight> daylight;  ///< else sun and sky stay as the scene has them
   TechniqueSettings technique;
-  /// One of kEstimators; else the scene's. One that is no hybrid leaves out the scene's apertures, and with them sun and lamps.
+  /// One of kEstimators; else the scene's, or kBestHybrid where it has apertures and names no hybrid. One that is no hybrid leaves out the
+  /// scene's apertures, and with them sun and lamps.
   std::optional<std::string> estimator = {};
   bool resample = true;     ///< radius fields and heightfields become volumes where there is room (runtime/resample.h)
   double levelError = 1.0;  ///< pixels by which meshes with levels of detail may be off (runtime/terrain_levels.h)
@@ -72,6 +76,7 @@ struct FrameRenderer {
   CompositePass composite;
   std::optional<SurfelPass> surfels;  ///< of Technique::surfels
   PyramidPass pyramid;
+  std::optional<RestVisibility> rest;  ///< of scenes with apertures where what is seen can change
   GeometryPass geometry;
   GpuBuffer sky;  ///< a shared::SkyLight, mapped; null: the sky is uniform
   FrameTargets targets;

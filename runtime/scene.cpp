@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <cmath>
 #include <map>
 
 #include "formats/extension_json.h"
@@ -85,8 +86,23 @@ void appendTransfer(const Mesh& mesh, std::int32_t vertexOffset, Geometry& geome
     geometry.transfers.insert(geometry.transfers.end(), transfer.begin(), transfer.end());
 }
 
+/// What the cap's own ambient visibility errs where the packing has none (ambientAt), root mean square, about.
+constexpr double kCapError = 0.05;
+
+BakedAgainst bakedAgainst(const Mesh& mesh) {
+  if (!mesh.apertureMap && !mesh.visibility) return BakedAgainst::nothing;
+  const bool scene = (mesh.apertureBake && mesh.apertureBake->sceneOccludes) || (mesh.apertureMap && mesh.apertureMap->sceneOccludes);
+  return scene ? BakedAgainst::atRest : BakedAgainst::itself;
+}
+
 void appendMesh(const Scene& scene, const Mesh& mesh, int map, Geometry& geometry, SceneMesh& out) {
   out.centre = centre(bounds(mesh));
+  out.vertexCount = static_cast<std::uint32_t>(mesh.positions.size());
+  out.bakedAgainst = bakedAgainst(mesh);
+  if (mesh.apertureBake) out.apertureError = mesh.apertureBake->ambientError;
+  const bool guessed = mesh.visibility && mesh.visibility->ambient.empty() && mesh.visibility->transfer.empty();
+  if (guessed) out.apertureError = std::hypot(out.apertureError, kCapError);
+  if (mesh.apertureMap) out.apertureError = std::max(mesh.apertureMap->ambientError, 0.0);
   const auto vertexOffset = static_cast<std::int32_t>(geometry.vertices.size() / shared::kVertexFloats);
   for (std::size_t i = 0; i < mesh.positions.size(); ++i) {
     const glm::vec3 position(mesh.positions[i] - out.centre);

@@ -18,12 +18,22 @@
 
 namespace overcast {
 
+/// What hid the sky when the apertures of a mesh were baked.
+enum class BakedAgainst {
+  nothing,  ///< it has none
+  itself,   ///< the mesh alone
+  atRest,   ///< and all nodes that no animation moves, for those of its nodes that none moves
+};
+
 /// One mesh in the shared buffers. Vertices are stored relative to `centre`, so that single floats keep their detail.
 struct SceneMesh {
   glm::dvec3 centre{0.0};           ///< local space
   std::vector<GeometryDraw> parts;  ///< indices, vertex offset and base colour; the instances are the frame's business
-  bool transfer = false;            ///< its vertices have transfer
-  std::int32_t transferShift = 0;   ///< from the index of a vertex to that of its transfer
+  std::uint32_t vertexCount = 0;
+  BakedAgainst bakedAgainst = BakedAgainst::nothing;
+  double apertureError = 0.0;      ///< of ambient visibility between vertices, as the bake measured it; 0 where it did not
+  bool transfer = false;           ///< its vertices have transfer
+  std::int32_t transferShift = 0;  ///< from the index of a vertex to that of its transfer
   /// Without triangles: these follow those of the only part. Chosen from for each frame (runtime/terrain_levels.h).
   std::optional<MeshLevels> levels;
 };

@@ -64,6 +64,10 @@ constexpr std::array kSweep{
     SweepRow{"hybrid", 64, 4, 0, kWithApertures, kQuick},
     SweepRow{"hybrid", 128, 4, 0, kWithApertures, kVariant},
     SweepRow{"hybrid", 256, 4, 0, kWithApertures, kQuick},
+    SweepRow{"hybrid-traced", 64, 1, 0, kWithApertures, kQuick},
+    SweepRow{"hybrid-traced", 128, 1, 0, kWithApertures, kVariant},
+    SweepRow{"hybrid-traced", 256, 1, 0, kWithApertures},
+    SweepRow{"hybrid-cones", 128, 5, 0, kWithApertures},
     SweepRow{"hybrid", 32, 4, 0, kWithApertures},
     SweepRow{"hybrid", 96, 4, 0, kWithApertures},
     SweepRow{"hybrid", 128, 5, 0, kWithApertures},
@@ -91,8 +95,9 @@ std::string nameOf(const SweepSetting& setting) {
     return setting.resolution > 0 ? fmt::format("{}, {}^3", overcast::nameOf(setting.technique), setting.resolution)
                                   : overcast::nameOf(setting.technique);
   std::string name = setting.estimator;
-  if (setting.cones > 0) name += fmt::format(", {} {}", setting.cones, setting.estimator == "traced" ? "rays" : "cones");
-  if (setting.estimator != "traced") name += fmt::format(", {} taps", setting.taps);  // which steps where the field lets it
+  const bool traced = setting.estimator.ends_with("traced");
+  if (setting.cones > 0) name += fmt::format(", {} {}", setting.cones, traced ? "rays" : "cones");
+  if (!traced) name += fmt::format(", {} taps", setting.taps);  // which steps where the field lets it
   name += fmt::format(", {}^3", setting.resolution);
   if (setting.apertures)
     name += setting.apertureMode == kBest ? ", apertures" : fmt::format(", apertures {}", nameOf(setting.apertureMode));

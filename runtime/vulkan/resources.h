@@ -4,6 +4,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <cstring>
 #include <span>
 #include <vector>
 
@@ -34,6 +35,15 @@ Result<GpuBuffer> makeBuffer(const Device& device, VkDeviceSize bytes, VkBufferU
 Result<GpuBuffer> makeBufferWith(const Device& device, std::span<const std::byte> bytes, VkBufferUsageFlags usage);
 /// Copies a device buffer back; waits. `count` bytes from `offset`.
 Result<std::vector<std::byte>> readBuffer(const Device& device, const GpuBuffer& buffer, VkDeviceSize offset, VkDeviceSize count);
+/// All of a device buffer as values; waits.
+template <class T>
+Result<std::vector<T>> readValues(const Device& device, const GpuBuffer& buffer) {
+  const Result<std::vector<std::byte>> bytes = readBuffer(device, buffer, 0, buffer.bytes / sizeof(T) * sizeof(T));
+  if (!bytes) return bytes.error();
+  std::vector<T> values(bytes.value().size() / sizeof(T));
+  std::memcpy(values.data(), bytes.value().data(), values.size() * sizeof(T));
+  return values;
+}
 void destroyBuffer(const Device& device, GpuBuffer& buffer);
 
 struct ImageSettings {

@@ -113,24 +113,6 @@ TEST(ApertureFormulas, SkyFillsWhatLightsLeave) {
   EXPECT_EQ(shared::skyShare(0.0f, 0.0f), 1.0f);
 }
 
-TEST(ApertureFormulas, SkyConesFillTheAperture) {
-  std::mt19937 random(9);
-  for (int i = 0; i < 200; ++i) {
-    const auto uniform = [&] { return static_cast<double>(random()) / 4294967296.0; };
-    glm::vec3 axis = tilted(kPi * uniform(), 2.0 * kPi * uniform());
-    if (i == 0) axis = {0, -1, 0};
-    const float radius = static_cast<float>(0.5 * kPi * uniform());
-    glm::vec3 sum(0.0f);
-    for (int cone = 0; cone < shared::kSkyCones; ++cone) {
-      const glm::vec3 along = shared::skyConeAxis({axis, radius}, cone);
-      EXPECT_NEAR(glm::length(along), 1.0f, 2e-4f);
-      EXPECT_LT(shared::capDistance(along, axis), radius + 1e-4f);
-      sum += along;
-    }
-    EXPECT_LT(glm::distance(glm::normalize(sum), axis), 2e-4f) << "evenly about the axis";
-  }
-}
-
 class Apertures : public Frames {
  protected:
   void openMode(const Scene& made, ApertureMode mode, const std::optional<std::string>& estimator = {}) {
@@ -344,6 +326,7 @@ TEST_F(Apertures, MeshesWithoutSeeTheWholeHemisphere) {
   // Beside a mesh with apertures, far below, the floor needs none: it is lit as one whose apertures are open.
   Scene made = floorScene(temporaryFolder(), square({{0, 1, 0}, shared::kApertureWidest}, 1.0f));
   made.lighting->globalVolume.bounds = Box{{-2.0, -0.5, -2.0}, {2.0, 1.5, 2.0}};
+  for (glm::dvec3& position : made.meshes[0].positions) position.y = 0.1;  // on top of its occluder
   made.meshes.push_back(made.meshes[0]);
   Node below = made.nodes[0];
   below.mesh = 1;
@@ -354,7 +337,11 @@ TEST_F(Apertures, MeshesWithoutSeeTheWholeHemisphere) {
   close();
   made.meshes[0].visibility.reset();
   openMode(made, ApertureMode::accurate);
-  EXPECT_EQ(picture(fromAbove()).pixels, open.pixels);
+  const Image bare = picture(fromAbove());
+  for (const double x : {-0.8, 0.0, 0.9}) {
+    const glm::ivec2 pixel = pixelOf(renderer, fromAbove(), {x, 0.0, 0.2});
+    for (int c = 0; c < 3; ++c) EXPECT_NEAR(at(bare, pixel.x, pixel.y, c), at(open, pixel.x, pixel.y, c), 0.02f);
+  }
 }
 
 TEST_F(Apertures, SeeTheDayPassAndLampsMove) {

@@ -1,6 +1,8 @@
 // One thread per pixel: light through the aperture that the geometry pass left.
 // OVERCAST_APERTURE_MODE: one of kAperture....; OVERCAST_OTHERS: the scene has more than one object;
-// OVERCAST_SKY: the sky is not uniform; OVERCAST_TRANSFER: some meshes bring their own sky light.
+// OVERCAST_REST: with
+// what the sky estimator says at rest and now; OVERCAST_SKY: the sky is not uniform; OVERCAST_TRANSFER: some meshes bring their own sky
+// light.
 #version 460
 #include "runtime/passes/aperture/aperture.h"
 #include "runtime/passes/aperture/sky.h"
@@ -19,20 +21,33 @@ layout(set = 0, binding = 7, std430) readonly buffer Sky {
   SkyLight skyLight;
 };
 #endif
+#ifdef OVERCAST_REST
+layout(set = 0, binding = 9) uniform sampler2D restImage;
+#endif
 #ifdef OVERCAST_TRANSFER
 layout(set = 0, binding = 8) uniform sampler2D skyLightImage;
 #endif
 
-// What comes through the aperture from the whole sky, over pi.
-vec3 lightOfSky(ivec2 pixel, vec3 normal, vec4 aperture, float ambient) {
+// What comes from the whole sky, over pi, where `visible` of it is left and the aperture alone leaves `ambient`.
+vec3 lightOfSky(ivec2 pixel, vec3 normal, vec4 aperture, float ambient, float visible) {
 #ifdef OVERCAST_TRANSFER
   vec4 own = texelFetch(skyLightImage, pixel, 0);
-  if (own.a > 0.5) return own.rgb;
+  if (own.a > 0.5 && ambient > 0.0) return own.rgb * (visible / ambient);
 #endif
 #ifdef OVERCAST_SKY
-  return skyThrough(skyLight, normal, aperture) * ambient;
+  return skyThrough(skyLight, normal, aperture) * visible;
 #else
-  return push.sky.rgb * ambient;
+  return push.sky.rgb * visible;
+#endif
+}
+
+// Sky visibility: the baked one, corrected by what has changed since.
+float skyVisible(ivec2 pixel, float ambient) {
+#ifdef OVERCAST_REST
+  vec2 rest = texelFetch(restImage, pixel, 0).rg;
+  return correctedVisibility(ambient, rest.x, imageLoad(lightImage, pixel).a, rest.y);
+#else
+  return ambient;
 #endif
 }
 
@@ -53,20 +68,6 @@ float clearOfOthers(vec3 from, vec3 direction, float radius, float far) {
     t += coneStep(phi, width);
   }
   return clear;
-}
-
-// Share of the sky of an aperture that other objects leave.
-float skyOfOthers(vec3 from, vec3 normal, vec4 aperture) {
-  float sum = 0.0;
-  float whole = 0.0;
-  for (int i = 0; i < kSkyCones; ++i) {
-    vec3 axis = skyConeAxis(aperture, i);
-    float weight = dot(axis, normal);
-    if (weight <= 0.0) continue;
-    whole += weight;
-    sum += weight * clearOfOthers(from, axis, kSkyConeRadius * aperture.w, 1.0e6);
-  }
-  return whole > 0.0 ? sum / whole : 1.0;
 }
 
 // Voxels from a point to the surface of a light, beyond which nothing stands before it.
@@ -98,10 +99,7 @@ void main() {
     received += lights[i].radiance.rgb * share.cosine;
   }
   float ambient = ambientFromWord(code.y);
-  float others = 1.0;
-#ifdef OVERCAST_OTHERS
-  if (ambient > 0.0) others = skyOfOthers(from, normal, aperture);
-#endif
-  received = received / kCapPi + lightOfSky(pixel, normal, aperture, ambient) * (others * skyShare(aperture.w, covered));
-  writeLight(pixel, received, ambient * others);
+  float visible = skyVisible(pixel, ambient);
+  received = received / kCapPi + lightOfSky(pixel, normal, aperture, ambient, visible) * skyShare(aperture.w, covered);
+  writeLight(pixel, received, visible);
 }

@@ -6,14 +6,15 @@
 //
 // Other objects take light away by the global distance volume. The cone of what a light sends through the aperture holds nothing of the
 // object itself, so whatever the volume finds in it belongs to others: it is traced for each light, and what is clear of it multiplies in.
-// The same for the sky, by a few cones that fill the aperture: V_self from the bake times what others leave (the hybrid of DESIGN 5.4).
-// Scenes of one object have no others and trace nothing.
+// The sky goes by what the sky estimator says has changed since the bake (the hybrids of DESIGN 5.4): runtime/passes/shade/rest.h. Scenes
+// of one object have no others and trace nothing.
 #ifndef RUNTIME_PASSES_APERTURE_APERTURE_H
 #define RUNTIME_PASSES_APERTURE_APERTURE_H
 
 #include "formats/shared/aperture.h"
 #include "runtime/passes/aperture/caps.h"
 #include "runtime/passes/screen/screen.h"
+#include "runtime/passes/shade/rest.h"
 
 OVERCAST_SHARED_BEGIN
 
@@ -100,28 +101,6 @@ OVERCAST_INLINE ApertureShare apertureShare(int mode, vec3 normal, vec4 aperture
     share.cosine = share.area * max(dot(normal, share.centre), 0.0f);
   }
   return share;
-}
-
-/// Cones that stand for the whole aperture: one about its axis, the others around it, narrower than their share of it so that the object's
-/// own shape does not reach into them. Number, tilt and radius were chosen on one scanned statue on a floor (`./run lighting`): five erred
-/// by two thirds of what one did, and seven by no less.
-const int kSkyCones = 5;
-const float kSkyConeTilt = 0.6f;    ///< of the outer ones' axes, times the aperture's radius
-const float kSkyConeRadius = 0.4f;  ///< times the aperture's radius
-
-/// Unit axis of cone `cone` of an aperture. The frame about the axis is smooth everywhere but straight down (Frisvad 2012, "Building an
-/// Orthonormal Basis from a 3D Unit Vector Without Normalization").
-OVERCAST_INLINE vec3 skyConeAxis(vec4 aperture, int cone) {
-  vec3 axis = vec3(aperture);
-  if (cone == 0) return axis;
-  float k = 1.0f / (1.0f + axis.y);
-  bool down = axis.y < -0.9999f;
-  vec3 side = down ? vec3(1.0f, 0.0f, 0.0f) : vec3(1.0f - axis.x * axis.x * k, -axis.x, -axis.x * axis.z * k);
-  vec3 front = down ? vec3(0.0f, 0.0f, 1.0f) : vec3(-axis.x * axis.z * k, -axis.z, 1.0f - axis.z * axis.z * k);
-  int outer = cone - 1;
-  vec3 along = (outer & 1) == 0 ? side : front;
-  float tilt = kSkyConeTilt * aperture.w;
-  return (1.0f - capHeight(tilt)) * axis + ((outer & 2) == 0 ? 1.0f : -1.0f) * capSine(tilt) * along;
 }
 
 /// Share of an aperture that lights which cover `covered` of it (a solid angle) leave to the sky.

@@ -33,7 +33,7 @@ bool shines(const glm::vec3& colour) {
 
 Result<Done> fill(const Device& device, const ApertureInputs& inputs, ApertureMode mode, AperturePass& pass) {
   constexpr std::uint32_t kAperture = kFirstScreenBinding, kLights = kAperture + 1, kVolume = kAperture + 2, kSky = kAperture + 3,
-                          kSkyLight = kAperture + 4;
+                          kSkyLight = kAperture + 4, kRest = kAperture + 5;
   const Result<GpuBuffer> lights =
       makeBuffer(device, shared::kMaxApertureLights * sizeof(ApertureLight), VK_BUFFER_USAGE_STORAGE_BUFFER_BIT, MemoryUse::upload);
   if (!lights) return lights.error();
@@ -43,6 +43,11 @@ Result<Done> fill(const Device& device, const ApertureInputs& inputs, ApertureMo
   if (inputs.others) {
     shader.defines.push_back({"OVERCAST_OTHERS", "1"});
     own.push_back({kVolume, VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER});
+  }
+  if (inputs.images.rest.image) {
+    shader.defines.push_back({"OVERCAST_REST", "1"});
+    shader.defines.push_back({"OVERCAST_OVER_LIGHT", "1"});
+    own.push_back({kRest, VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER});
   }
   if (inputs.sky) {
     shader.defines.push_back({"OVERCAST_SKY", "1"});
@@ -60,6 +65,8 @@ Result<Done> fill(const Device& device, const ApertureInputs& inputs, ApertureMo
   writeBuffer(device, pass.screen.set, kLights, pass.lights);
   if (inputs.sky) writeBuffer(device, pass.screen.set, kSky, *inputs.sky);
   if (skyLight.image) writeSampledImage(device, pass.screen.set, kSkyLight, skyLight.view, pass.screen.nearest);
+  pass.overLight = inputs.images.rest.image != VK_NULL_HANDLE;
+  if (pass.overLight) writeSampledImage(device, pass.screen.set, kRest, inputs.images.rest.view, pass.screen.nearest);
   if (inputs.others)
     writeSampledImage(device, pass.screen.set, kVolume, inputs.others->views[0], inputs.others->sampler, VK_IMAGE_LAYOUT_GENERAL);
   return Done{};
@@ -109,7 +116,7 @@ void recordAperture(VkCommandBuffer commands, AperturePass& pass, const GlobalGr
   constants.sky = glm::vec4(view.skyColour, 0.0f);
   constants.voxel = glm::vec4((view.eye - grid.origin) / grid.voxelSize, 1.0 / grid.voxelSize);
   constants.lights = glm::ivec4(static_cast<int>(lights.size()), 0, 0, 0);
-  recordScreenPass(commands, pass.screen, constants);
+  recordScreenPass(commands, pass.screen, constants, pass.overLight);
 }
 
 }  // namespace overcast

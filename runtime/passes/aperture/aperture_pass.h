@@ -24,12 +24,13 @@ enum class ApertureMode { exact, smoothstep, fast, accurate };
 
 struct AperturePass {
   ScreenPass screen;
-  GpuBuffer lights;  ///< shared::ApertureLight[shared::kMaxApertureLights], mapped
+  GpuBuffer lights;        ///< shared::ApertureLight[shared::kMaxApertureLights], mapped
+  bool overLight = false;  ///< the light image holds the sky visibility of the frame
 };
 
 /// What a pass reads and writes; all must outlive it.
 struct ApertureInputs {
-  const GeometryImages& images;         ///< made with apertures
+  const GeometryImages& images;         ///< made with apertures; with visibility at rest, that of the frame is in the light image
   const GpuImage& light;                ///< makeLightImage
   const PyramidPass* others = nullptr;  ///< over the global volume, which alone is read; null: the scene has one object
   const GpuBuffer* sky = nullptr;       ///< a shared::SkyLight, the frame's; null: the sky is uniform

@@ -1,8 +1,10 @@
 // One thread per pixel: its visibility (alpha of `raw`) averaged over the pattern, and the sky's light. Of the two steps of the wide
 // pattern OVERCAST_FIRST averages alone, together with how near things are (red of `raw`, per pixel), and OVERCAST_WIDEN widens that.
+// OVERCAST_REST: what is left of the visibility at rest (green of `raw`; runtime/passes/shade/rest.h).
 #version 460
 #include "runtime/passes/denoise/denoise.h"
 #include "runtime/passes/screen/screen.glsl"
+#include "runtime/passes/shade/rest.h"
 
 layout(push_constant) uniform Push {
   DenoisePush push;
@@ -55,6 +57,11 @@ void main() {
 #ifdef OVERCAST_FIRST
   imageStore(lightImage, pixel, made);
 #else
-  writeLight(pixel, openSky(normal) * made.a, made.a);
+#ifdef OVERCAST_REST
+  float sky = shareLeft(made.g, made.a);
+#else
+  float sky = made.a;
+#endif
+  writeLight(pixel, openSky(normal) * sky, sky);
 #endif
 }

@@ -23,6 +23,7 @@ Result<Done> addStep(const Device& device, const GeometryImages& images, const G
     shader.defines.push_back({"OVERCAST_SKY", fmt::format("{}", kSkyBinding)});
     own.push_back({kSkyBinding, VK_DESCRIPTOR_TYPE_STORAGE_BUFFER});
   }
+  if (images.rest.image) shader.defines.push_back({"OVERCAST_REST", "1"});
   Result<ScreenPass> made = makeScreenPass(device, images, into, shader, own, sizeof(shared::DenoisePush));
   if (!made) return made.error();
   step = std::move(made).value();

@@ -1,12 +1,14 @@
 // OVERCAST_APERTURES: with the interpolated aperture, packed. OVERCAST_APERTURE_MAPS: with the one that a map has here.
-// OVERCAST_TRANSFER: with the interpolated sky light.
+// OVERCAST_TRANSFER: with the interpolated sky light. OVERCAST_REST: with the interpolated sky visibility at rest, into that attachment.
 #version 460
 #include "runtime/passes/geometry/geometry.h"
 
 #ifdef OVERCAST_APERTURES
 #include "runtime/passes/aperture/aperture.h"
 #ifdef OVERCAST_APERTURE_MAPS
-layout(binding = 1, std430) readonly buffer Instances { GeometryInstance instances[]; };
+layout(binding = 1, std430) readonly buffer Instances {
+  GeometryInstance instances[];
+};
 layout(binding = 3) uniform sampler2D capMap;
 layout(binding = 4) uniform sampler2D ambientMap;
 layout(location = 2) in vec2 coordinate;
@@ -20,7 +22,12 @@ layout(location = 2) out uvec2 outAperture;
 
 #ifdef OVERCAST_TRANSFER
 layout(location = 5) in vec4 skyLight;
-layout(location = 3) out vec4 outSkyLight;
+layout(location = OVERCAST_TRANSFER) out vec4 outSkyLight;
+#endif
+
+#ifdef OVERCAST_REST
+layout(location = 6) in vec2 rest;
+layout(location = OVERCAST_REST) out vec2 outRest;
 #endif
 
 layout(push_constant) uniform Push {
@@ -53,5 +60,8 @@ void main() {
 #endif
 #ifdef OVERCAST_TRANSFER
   outSkyLight = max(skyLight, vec4(0.0));
+#endif
+#ifdef OVERCAST_REST
+  outRest = rest;
 #endif
 }

@@ -6,6 +6,7 @@
 #define RUNTIME_PASSES_GEOMETRY_GEOMETRY_H
 
 #include "runtime/passes/aperture/sky.h"
+#include "runtime/passes/shade/rest.h"
 
 OVERCAST_SHARED_BEGIN
 

@@ -1,6 +1,7 @@
 // OVERCAST_APERTURES: with each vertex's aperture (8-byte packing, local space), turned into the world. OVERCAST_APERTURE_MAPS: with its
 // texture coordinates, which lie in the place of the aperture.
 // OVERCAST_TRANSFER: with the sky light of vertices that have transfer.
+// OVERCAST_REST: with the vertices' sky visibility at rest.
 #version 460
 #include "runtime/passes/geometry/geometry.h"
 
@@ -32,6 +33,15 @@ layout(binding = 6, std430) readonly buffer TransferInstances {
 };
 layout(location = 5) out vec4 skyLight;
 #endif
+#ifdef OVERCAST_REST
+layout(binding = 7, std430) readonly buffer RestValues {
+  float restValues[];
+};
+layout(binding = 8, std430) readonly buffer RestInstances {
+  RestInstance restInstances[];
+};
+layout(location = 6) out vec2 rest;
+#endif
 layout(push_constant) uniform Push {
   GeometryPush push;
 };
@@ -57,12 +67,16 @@ void main() {
 #endif
 #ifdef OVERCAST_TRANSFER
   skyLight = vec4(0.0);
-  const ivec4 own = transferInstances[gl_InstanceIndex].first;
-  if (own.y != 0) {
-    const int transfer = 9 * (gl_VertexIndex + own.x);
+  const ivec4 its = transferInstances[gl_InstanceIndex].first;
+  if (its.y != 0) {
+    const int transfer = 9 * (gl_VertexIndex + its.x);
     for (int i = 0; i < 9; ++i) skyLight += transfers[transfer + i] * transferInstances[gl_InstanceIndex].sky.coefficients[i];
     skyLight.w = 1.0;
   }
+#endif
+#ifdef OVERCAST_REST
+  const RestInstance own = restInstances[gl_InstanceIndex];
+  rest = vec2(own.shift == kNoRestValues ? 1.0 : restValues[gl_VertexIndex + own.shift], own.trust);
 #endif
   gl_Position = push.clipFromRelative * vec4(relative, 1.0);
 }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstring>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -17,6 +18,7 @@ using shared::TransferInstance;
 
 static_assert(sizeof(GeometryInstance) == 96 && offsetof(GeometryInstance, normalX) == 48);
 static_assert(sizeof(GeometryPush) == 80 && offsetof(GeometryPush, baseColour) == 64);
+static_assert(sizeof(shared::RestInstance) == 8);
 static_assert(sizeof(TransferInstance) == 160 && offsetof(TransferInstance, first) == 144);
 
 constexpr VkFormat kDepthFormat = VK_FORMAT_D32_SFLOAT;
@@ -24,9 +26,11 @@ constexpr VkFormat kNormalFormat = VK_FORMAT_R16G16B16A16_SFLOAT;
 constexpr VkFormat kColourFormat = VK_FORMAT_R8G8B8A8_SRGB;
 constexpr VkFormat kApertureFormat = VK_FORMAT_R32G32_UINT;
 constexpr VkFormat kSkyLightFormat = VK_FORMAT_R16G16B16A16_SFLOAT;
+constexpr VkFormat kRestFormat = VK_FORMAT_R16G16_SFLOAT;
 
 constexpr std::uint32_t kMapBinding = 3;
 constexpr std::uint32_t kTransferBinding = 5;
+constexpr std::uint32_t kRestBinding = 7;
 
 Result<GpuImage> makeTarget(const Device& device, VkExtent2D size, VkFormat format, VkImageUsageFlags usage) {
   ImageSettings settings;
@@ -58,7 +62,7 @@ VkRenderingAttachmentInfo attachment(const GpuImage& image, VkImageLayout layout
 void beginRendering(VkCommandBuffer commands, const GeometryImages& images) {
   std::vector<VkRenderingAttachmentInfo> colours{attachment(images.normal, kColourWrite.layout),
                                                  attachment(images.colour, kColourWrite.layout)};
-  for (const GpuImage* extra : {&images.aperture, &images.skyLight})
+  for (const GpuImage* extra : {&images.aperture, &images.skyLight, &images.rest})
     if (extra->image) colours.push_back(attachment(*extra, kColourWrite.layout));
   const VkRenderingAttachmentInfo depth = attachment(images.depth, kDepthWrite.layout);
   const VkExtent2D size{images.depth.extent.width, images.depth.extent.height};
@@ -90,11 +94,15 @@ GraphicsSettings settingsOf(const GeometryExtras& extras, bool maps = false) {
     if (maps) shader->defines.push_back({"OVERCAST_APERTURE_MAPS", "1"});
   for (const std::uint32_t binding : {kMapBinding, kMapBinding + 1})
     if (maps) settings.bindings.push_back({binding, VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER});
-  if (!extras.transfer) return settings;
-  for (Shader* shader : {&settings.vertex, &settings.fragment}) shader->defines.push_back({"OVERCAST_TRANSFER", "1"});
-  settings.bindings.push_back({kTransferBinding, VK_DESCRIPTOR_TYPE_STORAGE_BUFFER});
-  settings.bindings.push_back({kTransferBinding + 1, VK_DESCRIPTOR_TYPE_STORAGE_BUFFER});
-  settings.colours.push_back(kSkyLightFormat);
+  const auto add = [&](const char* define, std::uint32_t binding, VkFormat format) {
+    for (Shader* shader : {&settings.vertex, &settings.fragment})
+      shader->defines.push_back({define, std::to_string(settings.colours.size())});
+    settings.bindings.push_back({binding, VK_DESCRIPTOR_TYPE_STORAGE_BUFFER});
+    settings.bindings.push_back({binding + 1, VK_DESCRIPTOR_TYPE_STORAGE_BUFFER});
+    settings.colours.push_back(format);
+  };
+  if (extras.transfer) add("OVERCAST_TRANSFER", kTransferBinding, kSkyLightFormat);
+  if (extras.rest) add("OVERCAST_REST", kRestBinding, kRestFormat);
   return settings;
 }
 
@@ -111,6 +119,7 @@ Result<GeometryImages> makeGeometryImages(const Device& device, VkExtent2D size,
       {&images.depth, kDepthFormat}, {&images.normal, kNormalFormat}, {&images.colour, kColourFormat}};
   if (extras.apertures) targets.emplace_back(&images.aperture, kApertureFormat);
   if (extras.transfer) targets.emplace_back(&images.skyLight, kSkyLightFormat);
+  if (extras.rest) targets.emplace_back(&images.rest, kRestFormat);
   for (const auto& [image, format] : targets) {
     const VkImageUsageFlags usage =
         format == kDepthFormat ? VK_IMAGE_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT : VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT;
@@ -130,6 +139,7 @@ void destroyGeometryImages(const Device& device, GeometryImages& images) {
   destroyImage(device, images.colour);
   destroyImage(device, images.aperture);
   destroyImage(device, images.skyLight);
+  destroyImage(device, images.rest);
 }
 
 namespace {
@@ -139,15 +149,20 @@ struct SetBuffers {
   const GpuBuffer& vertices;
   const GpuBuffer& apertures;
   const GpuBuffer& transfer;
+  const RestBuffers& rest;
 };
 
 void writeBuffers(const Device& device, const GeometryPass& pass, const SetBuffers& buffers, const DescriptorSet& set) {
   writeBuffer(device, set, 0, buffers.vertices);
   writeBuffer(device, set, 1, pass.instances);
   if (buffers.apertures.buffer) writeBuffer(device, set, 2, buffers.apertures);
-  if (!buffers.transfer.buffer) return;
-  writeBuffer(device, set, kTransferBinding, buffers.transfer);
-  writeBuffer(device, set, kTransferBinding + 1, pass.transfers);
+  if (buffers.transfer.buffer) {
+    writeBuffer(device, set, kTransferBinding, buffers.transfer);
+    writeBuffer(device, set, kTransferBinding + 1, pass.transfers);
+  }
+  if (!buffers.rest.values.buffer) return;
+  writeBuffer(device, set, kRestBinding, buffers.rest.values);
+  writeBuffer(device, set, kRestBinding + 1, buffers.rest.instances);
 }
 
 /// The pipeline and the sets of draws with a map.
@@ -173,8 +188,9 @@ Result<Done> addMaps(const Device& device, const GraphicsSettings& settings, con
 }  // namespace
 
 Result<GeometryPass> makeGeometryPass(const Device& device, const GpuBuffer& vertices, const GpuBuffer& indices, std::uint32_t capacity,
-                                      const GpuBuffer& apertures, const GpuBuffer& transfer, std::span<const ApertureMapImages> maps) {
-  const GeometryExtras extras{apertures.buffer != VK_NULL_HANDLE, transfer.buffer != VK_NULL_HANDLE};
+                                      const GpuBuffer& apertures, const GpuBuffer& transfer, std::span<const ApertureMapImages> maps,
+                                      const RestBuffers& rest) {
+  const GeometryExtras extras{apertures.buffer != VK_NULL_HANDLE, transfer.buffer != VK_NULL_HANDLE, rest.values.buffer != VK_NULL_HANDLE};
   const GraphicsSettings settings = settingsOf(extras);
   GeometryPass pass;
   pass.indices = indices.buffer;
@@ -199,7 +215,7 @@ Result<GeometryPass> makeGeometryPass(const Device& device, const GpuBuffer& ver
     if (!transfers) return fail(transfers.error());
     pass.transfers = transfers.value();
   }
-  const SetBuffers buffers{vertices, apertures, transfer};
+  const SetBuffers buffers{vertices, apertures, transfer, rest};
   writeBuffers(device, pass, buffers, pass.set);
   if (maps.empty()) return pass;
   if (const auto added = addMaps(device, settingsOf(extras, true), buffers, maps, pass); !added) return fail(added.error());
@@ -242,7 +258,7 @@ void recordGeometry(VkCommandBuffer commands, GeometryPass& pass, const Geometry
   }
   transition(commands, images.normal, kEarlierFrame, kColourWrite);
   transition(commands, images.colour, kEarlierFrame, kColourWrite);
-  for (const GpuImage* extra : {&images.aperture, &images.skyLight})
+  for (const GpuImage* extra : {&images.aperture, &images.skyLight, &images.rest})
     if (extra->image) transition(commands, *extra, kEarlierFrame, kColourWrite);
   transition(commands, images.depth, kEarlierFrame, kDepthWrite);
   beginRendering(commands, images);
@@ -259,7 +275,7 @@ void recordGeometry(VkCommandBuffer commands, GeometryPass& pass, const Geometry
   vkCmdEndRendering(commands);
   transition(commands, images.normal, kColourWrite, kShaderSample);
   transition(commands, images.colour, kColourWrite, kShaderSample);
-  for (const GpuImage* extra : {&images.aperture, &images.skyLight})
+  for (const GpuImage* extra : {&images.aperture, &images.skyLight, &images.rest})
     if (extra->image) transition(commands, *extra, kColourWrite, kShaderSample);
   transition(commands, images.depth, kDepthWrite, kShaderSample);
 }

@@ -27,12 +27,21 @@ struct GeometryImages {
   GpuImage aperture;
   /// RGBA16F: rgb sky light by the vertices' transfer, irradiance / pi; a 1 on surfaces that have it, else 0. Null in scenes without.
   GpuImage skyLight;
+  /// RG16F: the interpolated sky visibility at rest and the trust in apertures (runtime/rest_visibility.h); null where nobody asks for it.
+  GpuImage rest;
 };
 
 /// What a scene has beside vertices and indices.
 struct GeometryExtras {
   bool apertures = false;
   bool transfer = false;  ///< with apertures only
+  bool rest = false;      ///< with apertures only
+};
+
+/// Sky visibility at rest.
+struct RestBuffers {
+  GpuBuffer values;     ///< a float for each vertex of each instance, [0, 1]
+  GpuBuffer instances;  ///< a shared::RestInstance for each instance
 };
 
 Result<GeometryImages> makeGeometryImages(const Device& device, VkExtent2D size, const GeometryExtras& extras = {});
@@ -64,11 +73,11 @@ struct GeometryPass {
 /// Draws from `vertices` (shared::kVertexFloats floats each) and `indices` (uint32), which must outlive the pass, as must `apertures` (an
 /// uvec2 for each vertex, the 8-byte packing of formats/shared/aperture.h, or two floats: the texture coordinates of vertices that are
 /// drawn with one of `maps`). Without those (a null buffer) images without apertures are drawn, and nothing is spent on them. The same
-/// holds of `transfer`, the 9 floats of VertexVisibility::transfer of all meshes that have them, and of `maps`, which are there with
-/// apertures only.
+/// holds of `transfer`, the 9 floats of VertexVisibility::transfer of all meshes that have them, of `maps`, and of `rest`, which are there
+/// with apertures only.
 Result<GeometryPass> makeGeometryPass(const Device& device, const GpuBuffer& vertices, const GpuBuffer& indices, std::uint32_t capacity,
                                       const GpuBuffer& apertures = {}, const GpuBuffer& transfer = {},
-                                      std::span<const ApertureMapImages> maps = {});
+                                      std::span<const ApertureMapImages> maps = {}, const RestBuffers& rest = {});
 void destroyGeometryPass(const Device& device, GeometryPass& pass);
 
 /// The record of a mesh placed by `worldFromLocal` (affine, any determinant, singular ones too) and seen from `eye`, both in world space.

@@ -1,11 +1,16 @@
-// What shaders of screen passes (screen_pass.h) have in common: bindings 0 to 3, and the pixel of a thread.
+// What shaders of screen passes (screen_pass.h) have in common: bindings 0 to 3, and the pixel of a thread. OVERCAST_OVER_LIGHT: the shader
+// reads what an earlier pass left in the light image.
 #include "runtime/passes/screen/screen.h"
 
 layout(local_size_x = 8, local_size_y = 8) in;
 layout(set = 0, binding = 0) uniform sampler2D depthImage;
 layout(set = 0, binding = 1) uniform sampler2D normalImage;
 layout(set = 0, binding = 2) uniform sampler2D colourImage;
+#ifdef OVERCAST_OVER_LIGHT
+layout(set = 0, binding = 3, rgba16f) uniform image2D lightImage;
+#else
 layout(set = 0, binding = 3, rgba16f) uniform writeonly image2D lightImage;
+#endif
 
 // The point at `depth` of a pixel of a picture of `size`, in the space that `fromClip` leads to.
 vec3 pointOfPixel(mat4 fromClip, ivec2 pixel, ivec2 size, float depth) {

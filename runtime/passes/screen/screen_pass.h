@@ -55,10 +55,11 @@ Result<ScreenPass> makeScreenPass(const Device& device, const GeometryImages& im
                                   const std::vector<Binding>& own, std::uint32_t pushBytes);
 void destroyScreenPass(const Device& device, ScreenPass& pass);
 
-/// Records the pass; outside of rendering, after recordGeometry. The light image is in kLightReady afterwards.
+/// Records the pass; outside of rendering, after recordGeometry. The light image is in kLightReady afterwards. `overLight`: the shader
+/// reads what another pass left in it.
 template <class T>
-void recordScreenPass(VkCommandBuffer commands, const ScreenPass& pass, const T& constants) {
-  transition(commands, pass.light, kEarlierLight, kComputeWrite);
+void recordScreenPass(VkCommandBuffer commands, const ScreenPass& pass, const T& constants, bool overLight = false) {
+  transition(commands, pass.light, overLight ? kLightReady : kEarlierLight, overLight ? kComputeReadWrite : kComputeWrite);
   bind(commands, pass.pipeline, pass.set);
   push(commands, pass.pipeline, constants);
   vkCmdDispatch(commands, groups(pass.light.extent.width, 8), groups(pass.light.extent.height, 8), 1);

@@ -20,8 +20,8 @@
 // denoise pass (denoise.h), widened, gives each pixel the mean of all. Nearer than a voxel what stands at a point cannot be told from its
 // own surface: rays first look there.
 //
-// `hybrid`: V_self from the baked apertures times what others leave of them, which is the aperture pass's business (aperture.h). Scenes
-// without apertures get `calibrated`.
+// `hybrid`, `hybrid-cones`, `hybrid-traced`: baked apertures, corrected by what `calibrated`, `cones` or `traced` says has changed since
+// the bake (rest.h). Scenes without apertures get that estimator alone.
 //
 // The paper's tap at d_0 = 0 is left out: it has no reach and reads only by how much mesh and field disagree.
 #ifndef RUNTIME_PASSES_SHADE_SHADE_H
@@ -29,6 +29,7 @@
 
 #include "runtime/passes/denoise/denoise.h"
 #include "runtime/passes/rays/rays.h"
+#include "runtime/passes/shade/rest.h"
 
 OVERCAST_SHARED_BEGIN
 
@@ -63,6 +64,17 @@ struct ShadePush {
   mat4 voxelFromClip;  //  0: voxel coordinates (from the volume's corner) from clip space, before the division by w
   vec4 skew;           // 64: xyz: alpha U; w: alpha
   vec4 sky;            // 80: rgb: linear radiance of the sky
+};
+
+/// A point that sky_points.comp.glsl looks at.
+struct SkyPoint {
+  vec4 place;   //  0: xyz: voxels of the volume, from its corner
+  vec4 normal;  // 16: xyz: unit length
+};
+
+struct SkyPointsPush {
+  vec4 skew;    //  0: ShadePush::skew
+  ivec4 count;  // 16: x: of the points
 };
 
 /// d_i of `published` in voxels; tap 0 is d_1.

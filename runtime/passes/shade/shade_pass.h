@@ -22,9 +22,10 @@ struct ShadePass {
 };
 
 /// Shades the pixels of `images` into `light` with a pyramid of at least estimator.levels; all must outlive the pass, as must `sky`, a
-/// shared::SkyLight, without which the sky is uniform.
+/// shared::SkyLight, without which the sky is uniform. Over images with visibility at rest the light image's alpha is what an aperture pass
+/// goes on with (rest.h); `atRest` is the pyramid of the volume at rest, null where no pixel looks that up.
 Result<ShadePass> makeShadePass(const Device& device, const GeometryImages& images, const GpuImage& light, const PyramidPass& pyramid,
-                                const SkyEstimator& estimator, const GpuBuffer* sky = nullptr);
+                                const SkyEstimator& estimator, const GpuBuffer* sky = nullptr, const PyramidPass* atRest = nullptr);
 void destroyShadePass(const Device& device, ShadePass& pass);
 
 /// What the frame's camera and light are. Positions in world space.

@@ -11,9 +11,13 @@
 namespace overcast {
 
 /// Names of Estimator::name.
-inline constexpr std::array kEstimators{"published", "calibrated", "cones", "traced", "hybrid"};
+inline constexpr std::array kEstimators{"published", "calibrated", "cones", "traced", "hybrid", "hybrid-cones", "hybrid-traced"};
 
-/// Whether the estimator of that name takes what an object leaves itself from its baked apertures (runtime/passes/aperture).
+/// Of these, the one that scenes with apertures get that name no hybrid.
+inline constexpr std::string_view kBestHybrid = "hybrid-traced";
+
+/// Whether the estimator of that name takes baked apertures, and of the estimator it is made over (`hybrid`: `calibrated`) what has changed
+/// since their bake (rest.h).
 bool isHybrid(std::string_view name);
 
 struct SkyEstimator {
@@ -24,6 +28,7 @@ struct SkyEstimator {
   int traced = 0;                      ///< rays of a pixel: recordDenoise must follow; 0: taps are read
   float skyWeight = 0.0f;              ///< alpha
   int levels = 1;                      ///< of the pyramid that taps read
+  double error = 0.0;                  ///< root mean square of sky visibility, about, as measured on scenes of the project
 };
 
 /// The estimator at `resolution` voxels along the longest side; for a hybrid, what scenes without apertures get of it. Taps reach as far in

@@ -14,31 +14,51 @@ layout(set = 0, binding = 9) uniform sampler3D level5;
 layout(set = 0, binding = 10) uniform sampler3D level6;
 layout(set = 0, binding = 11) uniform sampler3D level7;
 
+#ifdef OVERCAST_REST
+// The same of the volume at rest, which is what `field` reads while this is set.
+bool atRest = false;
+layout(set = 0, binding = 15) uniform sampler3D rest0;
+layout(set = 0, binding = 16) uniform sampler3D rest1;
+layout(set = 0, binding = 17) uniform sampler3D rest2;
+layout(set = 0, binding = 18) uniform sampler3D rest3;
+layout(set = 0, binding = 19) uniform sampler3D rest4;
+layout(set = 0, binding = 20) uniform sampler3D rest5;
+layout(set = 0, binding = 21) uniform sampler3D rest6;
+layout(set = 0, binding = 22) uniform sampler3D rest7;
+#endif
+
 layout(set = 0, binding = 12, std430) readonly buffer Constants {
   SkyConstants estimator;
 };
 
+#define OVERCAST_SAMPLE(name) return textureLod(name, at / vec3(textureSize(name, 0)), 0.0f).r
+#define OVERCAST_LEVELS(name)   \
+  switch (level) {              \
+    case 0:                     \
+      OVERCAST_SAMPLE(name##0); \
+    case 1:                     \
+      OVERCAST_SAMPLE(name##1); \
+    case 2:                     \
+      OVERCAST_SAMPLE(name##2); \
+    case 3:                     \
+      OVERCAST_SAMPLE(name##3); \
+    case 4:                     \
+      OVERCAST_SAMPLE(name##4); \
+    case 5:                     \
+      OVERCAST_SAMPLE(name##5); \
+    case 6:                     \
+      OVERCAST_SAMPLE(name##6); \
+    default:                    \
+      OVERCAST_SAMPLE(name##7); \
+  }
+
 // phi of a level at a point inside it, both in voxels of level 0.
 float sampleLevel(int level, vec3 inside) {
   vec3 at = inside / exp2(float(level));
-  switch (level) {
-    case 0:
-      return textureLod(level0, at / vec3(textureSize(level0, 0)), 0.0f).r;
-    case 1:
-      return textureLod(level1, at / vec3(textureSize(level1, 0)), 0.0f).r;
-    case 2:
-      return textureLod(level2, at / vec3(textureSize(level2, 0)), 0.0f).r;
-    case 3:
-      return textureLod(level3, at / vec3(textureSize(level3, 0)), 0.0f).r;
-    case 4:
-      return textureLod(level4, at / vec3(textureSize(level4, 0)), 0.0f).r;
-    case 5:
-      return textureLod(level5, at / vec3(textureSize(level5, 0)), 0.0f).r;
-    case 6:
-      return textureLod(level6, at / vec3(textureSize(level6, 0)), 0.0f).r;
-    default:
-      return textureLod(level7, at / vec3(textureSize(level7, 0)), 0.0f).r;
-  }
+#ifdef OVERCAST_REST
+  if (atRest) OVERCAST_LEVELS(rest)
+#endif
+  OVERCAST_LEVELS(level)
 }
 
 float field(int level, vec3 p) {
@@ -47,6 +67,14 @@ float field(int level, vec3 p) {
 }
 
 #ifdef OVERCAST_TRACED
+// phi of level 0 at a point of the volume, whose sides are 1.
+float sharpField(vec3 at) {
+#ifdef OVERCAST_REST
+  if (atRest) return textureLod(rest0, at, 0.0f).r;
+#endif
+  return textureLod(level0, at, 0.0f).r;
+}
+
 // How many voxels away a ray meets a surface; 0: it leaves the volume.
 float meets(vec3 from, vec3 direction) {
   vec3 size = vec3(textureSize(level0, 0));
@@ -55,7 +83,7 @@ float meets(vec3 from, vec3 direction) {
   vec3 start = from / size;
   vec3 way = direction / size;
   for (int i = 0; i < kRaySteps && t < end; ++i) {
-    float phi = textureLod(level0, start + t * way, 0.0f).r;
+    float phi = sharpField(start + t * way);
     if (phi < rayHit(t)) return t;
     t += max(phi, kRayShortest);
   }

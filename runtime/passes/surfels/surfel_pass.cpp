@@ -38,15 +38,6 @@ struct Geometry {
   std::vector<std::uint32_t> indices;
 };
 
-template <class T>
-Result<std::vector<T>> readAll(const Device& device, const GpuBuffer& buffer) {
-  const Result<std::vector<std::byte>> bytes = readBuffer(device, buffer, 0, buffer.bytes / sizeof(T) * sizeof(T));
-  if (!bytes) return bytes.error();
-  std::vector<T> values(bytes.value().size() / sizeof(T));
-  std::memcpy(values.data(), bytes.value().data(), values.size() * sizeof(T));
-  return values;
-}
-
 std::vector<Surfel> treeOf(const SceneMesh& mesh, const Geometry& geometry, double longestEdge) {
   std::vector<DiscTriangle> triangles;
   std::uint32_t count = 0;
@@ -69,10 +60,10 @@ std::vector<Surfel> treeOf(const SceneMesh& mesh, const Geometry& geometry, doub
 /// Fills pass.records and the counts; the nodes of all trees.
 Result<std::vector<Surfel>> buildTrees(const Device& device, const RuntimeScene& scene, SurfelPass& pass) {
   Geometry geometry;
-  Result<std::vector<float>> vertices = readAll<float>(device, scene.vertices);
+  Result<std::vector<float>> vertices = readValues<float>(device, scene.vertices);
   if (!vertices) return vertices.error();
   geometry.vertices = std::move(vertices).value();
-  Result<std::vector<std::uint32_t>> indices = readAll<std::uint32_t>(device, scene.indices);
+  Result<std::vector<std::uint32_t>> indices = readValues<std::uint32_t>(device, scene.indices);
   if (!indices) return indices.error();
   geometry.indices = std::move(indices).value();
   const std::vector<glm::dmat4> nodes = worldFromLocal(scene.scene, 0.0);
