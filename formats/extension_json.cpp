@@ -289,12 +289,9 @@ std::string lightingJson(const Lighting& lighting) {
 }
 
 std::string apertureJson(const ApertureLink& link) {
-  Json json = {{"version", kApertureLinkVersion},
-               {"uri", uriFromPath(link.uri)},
-               {"contentHash", link.contentHash},
-               {"bytes", link.bytes},
-               {"texCoord", link.texCoord},
-               {"occluders", link.sceneOccludes ? kSceneOccludes : kSelfOccludes}};
+  Json json = {{"version", kApertureLinkVersion}, {"uri", uriFromPath(link.uri)},
+               {"contentHash", link.contentHash}, {"bytes", link.bytes},
+               {"texCoord", link.texCoord},       {"occluders", link.sceneOccludes ? kSceneOccludes : kSelfOccludes}};
   if (link.radiusError >= 0.0)
     json["error"] = {{"radius", link.radiusError}, {"ambient", link.ambientError}, {"direction", link.directionError}};
   return dumpJson(json);

@@ -13,7 +13,8 @@ void fields(Archive& archive, VertexVisibility& visibility) {
 
 template <class Archive>
 void fields(Archive& archive, ApertureLink& link) {
-  archive(link.uri, link.contentHash, link.bytes, link.texCoord, link.sceneOccludes, link.radiusError, link.ambientError, link.directionError);
+  archive(link.uri, link.contentHash, link.bytes, link.texCoord, link.sceneOccludes, link.radiusError, link.ambientError,
+          link.directionError);
 }
 
 template <class Archive>
