@@ -1,8 +1,6 @@
 // One thread per pixel: light through the aperture that the geometry pass left.
-// OVERCAST_APERTURE_MODE: one of kAperture....; OVERCAST_OTHERS: the scene has more than one object;
-// OVERCAST_REST: with
-// what the sky estimator says at rest and now; OVERCAST_SKY: the sky is not uniform; OVERCAST_TRANSFER: some meshes bring their own sky
-// light.
+// OVERCAST_APERTURE_MODE: one of kAperture....; OVERCAST_OTHERS: the scene has more than one object; OVERCAST_REST: what the sky estimator
+// says at rest and now is known; OVERCAST_SKY: the sky is not uniform; OVERCAST_TRANSFER: some meshes bring their own sky light.
 #version 460
 #include "runtime/passes/aperture/aperture.h"
 #include "runtime/passes/aperture/sky.h"
