@@ -38,7 +38,7 @@ std::optional<Resampled> placeOf(const Asset& asset, double voxel) {
     volume.voxelSize = voxel / density;
     // An odd number about the middle: a flat sheet has samples on it.
     const glm::dvec3 steps = glm::ceil(half / volume.voxelSize);
-    if (!(std::max({steps.x, steps.y, steps.z}) < kMaxVolumeSide / 2)) continue;
+    if (!(2.0 * std::max({steps.x, steps.y, steps.z}) < kMaxVolumeSide)) continue;
     volume.size = 2 * glm::ivec3(steps) + 1;
     volume.origin = centre(box) - volume.voxelSize * steps;
     if (density == kLeastDensity || samplesOf(volume) <= kFineResamples) return made;

@@ -27,8 +27,9 @@ struct Texels {
 glm::dvec3 rayOf(const ReferenceInfo& info, std::size_t texel) {
   const double tangent = std::tan(0.5 * info.view.verticalFieldOfView), aspect = static_cast<double>(info.width) / info.height;
   const auto width = static_cast<std::size_t>(info.width);
+  const std::size_t row = texel / width;
   const double x = 2.0 * (static_cast<double>(texel % width) + 0.5) / info.width - 1.0;
-  const double y = 1.0 - 2.0 * (static_cast<double>(texel / width) + 0.5) / info.height;
+  const double y = 1.0 - 2.0 * (static_cast<double>(row) + 0.5) / info.height;
   return glm::normalize(glm::dvec3(info.view.worldFromView * glm::dvec4(tangent * aspect * x, tangent * y, -1.0, 0.0)));
 }
 

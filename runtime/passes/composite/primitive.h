@@ -40,11 +40,9 @@ OVERCAST_INLINE float ellipsoidDistance(vec3 point, vec3 halfExtents) {
   OVERCAST_PRECISE float two = w.x * w.x + w.y * w.y;
   OVERCAST_PRECISE float all = two + w.z * w.z;
   // Most points are there after three or four; from there on a step changes nothing.
-  int left = kEllipsoidSteps;
-  float last = t;
-  do {
-    last = t;
-    --left;
+  bool moved = true;
+  for (int step = 0; step < kEllipsoidSteps && moved; ++step) {
+    float last = t;
     OVERCAST_PRECISE float slope = w.x * w.x / d.x + w.y * w.y / d.y;
     OVERCAST_PRECISE float byTwo = t + (sqrt(two) - 1.0f) * two / slope;
     OVERCAST_PRECISE float byAll = t + (sqrt(all) - 1.0f) * all / (slope + w.z * w.z / d.z);
@@ -53,7 +51,8 @@ OVERCAST_INLINE float ellipsoidDistance(vec3 point, vec3 halfExtents) {
     w = rho * u / d;
     two = w.x * w.x + w.y * w.y;
     all = two + w.z * w.z;
-  } while (left > 0 && t > last);
+    moved = t > last;
+  }
   OVERCAST_PRECISE vec3 g = u / d;
   OVERCAST_PRECISE float s = t - 1.0f;
   OVERCAST_PRECISE float dual = s * (s * (g.x * g.x + g.y * g.y + g.z * g.z) + (all - 1.0f));
