@@ -14,6 +14,7 @@
 #include "formats/extension_json.h"
 #include "formats/scene_lighting.h"
 #include "runtime/calibrate/calibrate.h"
+#include "runtime/player/command.h"
 #include "runtime/player/headless.h"
 #include "runtime/player/options.h"
 #include "runtime/report/scene_truth.h"
@@ -44,11 +45,6 @@ struct Job {
   Estimator present;
   Estimator start;
 };
-
-int fail(const Error& error, ExitCode code) {
-  printMessage(fmt::format("overcast-player: {}\n", message(error)));
-  return static_cast<int>(code);
-}
 
 void addOptions(CLI::App& app, Options& options) {
   app.add_option("SCENE", options.scenes, "baked scene (.gltf); of several one common set of constants is printed and nothing written")
@@ -227,7 +223,7 @@ int runCalibrate(const Options& options) {
   for (const fs::path& scene : options.scenes)
     if (!failure) failure = addScene(device.value(), options, scene, job);
   closeDevice(device.value());
-  return failure ? fail(failure->error, failure->code) : finish(options, job);
+  return failure ? fail(*failure) : finish(options, job);
 }
 
 }  // namespace
@@ -237,12 +233,7 @@ int calibrateCommand(int argc, char** argv) {
                "overcast-player calibrate");
   Options options;
   addOptions(app, options);
-  try {
-    app.parse(argc, argv);
-    checkTogether(options);
-  } catch (const CLI::ParseError& error) {
-    return parseFailure(app, error);
-  }
+  if (const auto code = parseArguments(app, argc, argv, [&] { checkTogether(options); })) return *code;
   return runCalibrate(options);
 }
 

@@ -8,7 +8,7 @@
 #include "formats/console.h"
 #include "formats/files.h"
 #include "runtime/composite_cost.h"
-#include "runtime/player/options.h"
+#include "runtime/player/command.h"
 
 namespace overcast {
 namespace {
@@ -32,11 +32,6 @@ void addOptions(CLI::App& app, Options& options) {
       ->capture_default_str();
   app.add_option("--largest", options.settings.largest, "largest size of an occluder")->check(CLI::Range(8, 256))->capture_default_str();
   app.add_flag("--quiet", options.quiet, "no table on stderr");
-}
-
-int fail(const Error& error, ExitCode code) {
-  printMessage(fmt::format("overcast-player: {}\n", message(error)));
-  return static_cast<int>(code);
 }
 
 std::string table(const CompositeCosts& costs) {
@@ -75,12 +70,10 @@ int costCommand(int argc, char** argv) {
   CLI::App app("Measures what one evaluation of each kind of occluder takes in the composite on this device.", "overcast-player cost");
   Options options;
   addOptions(app, options);
-  try {
-    app.parse(argc, argv);
+  const auto check = [&] {
     if (options.settings.voxels % 8 != 0) throw CLI::ValidationError("--voxels", "is not a multiple of 8");
-  } catch (const CLI::ParseError& error) {
-    return parseFailure(app, error);
-  }
+  };
+  if (const auto code = parseArguments(app, argc, argv, check)) return *code;
   return measureAndWrite(options);
 }
 

@@ -4,18 +4,13 @@
 #include "formats/camera.h"
 #include "formats/result.h"
 #include "runtime/frame.h"
+#include "runtime/player/command.h"
 #include "runtime/player/options.h"
 #include "runtime/player/report.h"
 #include "runtime/scene.h"
 #include "runtime/vulkan/device.h"
 
 namespace overcast {
-
-/// An Error and the exit code it ends the command with.
-struct Failure {
-  Error error;
-  ExitCode code = ExitCode::internal;
-};
 
 /// What the renderer is made with.
 FrameSettings frameSettings(const PlayerOptions& options);

@@ -8,6 +8,7 @@
 
 #include "formats/console.h"
 #include "runtime/player/calibrate_command.h"
+#include "runtime/player/command.h"
 #include "runtime/player/cost_command.h"
 #include "runtime/player/headless.h"
 #include "runtime/player/measure_command.h"
@@ -30,11 +31,6 @@ void keepDriverOffFullDisk() {
   while (!folder.empty() && folder != folder.parent_path() && !std::filesystem::exists(folder, code)) folder = folder.parent_path();
   const std::filesystem::space_info space = std::filesystem::space(folder, code);
   if (!code && space.available < kRoom) setenv("MESA_SHADER_CACHE_DISABLE", "true", 0);
-}
-
-int fail(const Error& error, ExitCode code) {
-  printMessage(fmt::format("overcast-player: {}\n", message(error)));
-  return static_cast<int>(code);
 }
 
 int printDevices(bool asJson) {
@@ -70,7 +66,7 @@ int playOn(const Device& device, const PlayerOptions& options, const Window& win
   const auto failure =
       options.headless ? playPictures(device, scene.value(), options) : playInWindow(device, scene.value(), options, window);
   destroyScene(device, scene.value());
-  return failure ? fail(failure->error, failure->code) : static_cast<int>(ExitCode::ok);
+  return failure ? fail(*failure) : static_cast<int>(ExitCode::ok);
 }
 
 /// Plays on the device that the options name; the exit code.
@@ -87,7 +83,6 @@ int play(const PlayerOptions& options, const Window& window) {
 }
 
 int run(const PlayerOptions& options) {
-  keepDriverOffFullDisk();
   if (options.listDevices) return printDevices(options.json);
   if (options.headless) return play(options, {});
   Result<Window> window = openWindow(options);
@@ -97,21 +92,19 @@ int run(const PlayerOptions& options) {
   return code;
 }
 
+struct Subcommand {
+  std::string_view name;
+  int (*run)(int argc, char** argv);
+};
+constexpr Subcommand kSubcommands[] = {{"calibrate", calibrateCommand},
+                                       {"compare", compareCommand},
+                                       {"cost", costCommand},
+                                       {"measure", measureCommand},
+                                       {"report", reportCommand}};
+
 int runCommand(int argc, char** argv) {
-  if (argc > 1 && std::string_view(argv[1]) == "cost") {
-    keepDriverOffFullDisk();
-    return costCommand(argc - 1, argv + 1);
-  }
-  if (argc > 1 && std::string_view(argv[1]) == "calibrate") {
-    keepDriverOffFullDisk();
-    return calibrateCommand(argc - 1, argv + 1);
-  }
-  if (argc > 1 && std::string_view(argv[1]) == "report") {
-    keepDriverOffFullDisk();
-    return reportCommand(argc - 1, argv + 1);
-  }
-  if (argc > 1 && std::string_view(argv[1]) == "compare") return compareCommand(argc - 1, argv + 1);
-  if (argc > 1 && std::string_view(argv[1]) == "measure") return measureCommand(argc - 1, argv + 1);
+  for (const Subcommand& command : kSubcommands)
+    if (argc > 1 && argv[1] == command.name) return command.run(argc - 1, argv + 1);
   const ParsedOptions parsed = parseOptions(argc, argv);
   return parsed.exitCode ? *parsed.exitCode : run(parsed.options);
 }
@@ -123,6 +116,7 @@ int main(int argc, char** argv) {
   using namespace overcast;
   holdStandardStreams();
   try {
+    keepDriverOffFullDisk();
     const int code = runCommand(argc, argv);
     const auto flushed = flushResults();
     return flushed || code != 0 ? code : fail(flushed.error(), ExitCode::unwritable);

@@ -13,7 +13,7 @@
 #include "formats/console.h"
 #include "runtime/flip.h"
 #include "runtime/metrics.h"
-#include "runtime/player/headless.h"
+#include "runtime/player/command.h"
 #include "runtime/player/options.h"
 
 namespace overcast {
@@ -155,11 +155,6 @@ std::string json(const ClipMetrics& clip) {
   return root.dump(2) + "\n";
 }
 
-int fail(const Failure& failure) {
-  printMessage(fmt::format("overcast-player: {}\n", message(failure.error)));
-  return static_cast<int>(failure.code);
-}
-
 }  // namespace
 
 int measureCommand(int argc, char** argv) {
@@ -168,12 +163,7 @@ int measureCommand(int argc, char** argv) {
       "overcast-player measure");
   Options options;
   addOptions(app, options);
-  try {
-    app.parse(argc, argv);
-    checkTogether(options);
-  } catch (const CLI::ParseError& error) {
-    return parseFailure(app, error);
-  }
+  if (const auto code = parseArguments(app, argc, argv, [&] { checkTogether(options); })) return *code;
   ClipMetrics clip{options.channels, {}, {}};
   for (int frame = options.range.first; frame <= options.range.second; ++frame)
     if (const auto failure = measureFrame(options, frame, clip)) return fail(*failure);

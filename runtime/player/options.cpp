@@ -9,9 +9,9 @@
 #include <fmt/ranges.h>
 #include <CLI/CLI.hpp>
 
-#include "formats/console.h"
 #include "formats/image.h"
 #include "runtime/passes/shade/sky_estimator.h"
+#include "runtime/player/command.h"
 
 namespace overcast {
 namespace {
@@ -78,33 +78,25 @@ constexpr const char* kFooter =
     "overcast-player report measures every setting on scenes, overcast-player compare two reports: see their --help.\n"
     "Without --headless a window opens: left mouse button turns, right pans, wheel zooms, space pauses, F12 saves a picture.";
 
-}  // namespace
-
-int parseFailure(const CLI::App& app, const CLI::ParseError& error) {
-  if (error.get_exit_code() == 0) {
-    app.exit(error);
-    return static_cast<int>(ExitCode::ok);
-  }
-  printMessage(oneLine(fmt::format("overcast-player: {} (see --help)", error.what())) + "\n");
-  return static_cast<int>(ExitCode::usage);
-}
-
-ParsedOptions parseOptions(int argc, char** argv) {
-  ParsedOptions parsed;
-  PlayerOptions& options = parsed.options;
-  CLI::App app("Plays a baked scene: sky light from composited distance volumes.", "overcast-player");
-  app.footer(kFooter);
-  app.option_defaults()->multi_option_policy(CLI::MultiOptionPolicy::TakeLast);
-  std::string scene, frames, size, camera, sky;
-  std::string estimator;
+/// Options as they are given, before they are parsed.
+struct Given {
+  std::string frames, size, camera;
   int resolution = 0, taps = 0;
+  std::string estimator;
   Daylight day;
   double gtaoRadius = 0.0;
   std::string gtaoQuality = "medium";
-  app.add_option("SCENE", scene, "a scene that overcast-bake wrote (.gltf)");
+};
+
+bool has(const CLI::App& app, const char* option) {
+  return app.get_option(option)->count() > 0;
+}
+
+void addPlaying(CLI::App& app, PlayerOptions& options, Given& given) {
+  app.add_option("SCENE", options.scene, "a scene that overcast-bake wrote (.gltf)");
   app.add_flag("--headless", options.headless, "render pictures without a window");
-  app.add_option("--frames", frames, "first:last frame, both included, or one frame (default 0)");
-  app.add_option("--size", size, "WIDTHxHEIGHT in pixels (default 1280x720)");
+  app.add_option("--frames", given.frames, "first:last frame, both included, or one frame (default 0)");
+  app.add_option("--size", given.size, "WIDTHxHEIGHT in pixels (default 1280x720)");
   app.add_option("-o,--output", options.outputs,
                  "picture files, .png (as shown) or .exr (linear R G B and sky visibility), with #### or "
                  "%04d for the frame number; may be given twice")
@@ -113,20 +105,21 @@ ParsedOptions parseOptions(int argc, char** argv) {
   app.add_option("--fps", options.framesPerSecond, "frames per second of the animation")
       ->check(CLI::Range(1e-3, 1e6))
       ->capture_default_str();
-  app.add_option("--camera", camera, "px,py,pz,tx,ty,tz[,fov]: eye, target, vertical field of view in degrees");
+  app.add_option("--camera", given.camera, "px,py,pz,tx,ty,tz[,fov]: eye, target, vertical field of view in degrees");
   app.add_option("--device", options.device, "index or part of the name of the Vulkan device (default: the best GPU, else the CPU)");
   app.add_flag("--list-devices", options.listDevices, "list the Vulkan devices and end");
   app.add_flag("--validate", options.validate, "with Vulkan's core and synchronization validation; any message makes exit code 1");
   app.add_flag("--json", options.json, "the result as JSON on stdout");
-  auto* resolutionOption =
-      app.add_option("--resolution", resolution, "voxels along the longest side of the global volume (default: the scene's)")
-          ->check(CLI::Range(32, 256));
-  auto* tapsOption = app.add_option("--taps", taps, "taps of the sky estimator at 128 voxels (default: the scene's)")
-                         ->check(CLI::Range(1, shared::kMaxTaps));
-  auto* estimatorOption =
-      app.add_option("--estimator", estimator, fmt::format("sky estimator: {} (default: the scene's)", fmt::join(kEstimators, ", ")))
-          ->check(CLI::IsMember(std::vector<std::string>(kEstimators.begin(), kEstimators.end())))
-          ->type_name("NAME");
+}
+
+void addShading(CLI::App& app, PlayerOptions& options, Given& given) {
+  app.add_option("--resolution", given.resolution, "voxels along the longest side of the global volume (default: the scene's)")
+      ->check(CLI::Range(32, 256));
+  app.add_option("--taps", given.taps, "taps of the sky estimator at 128 voxels (default: the scene's)")
+      ->check(CLI::Range(1, shared::kMaxTaps));
+  app.add_option("--estimator", given.estimator, fmt::format("sky estimator: {} (default: the scene's)", fmt::join(kEstimators, ", ")))
+      ->check(CLI::IsMember(std::vector<std::string>(kEstimators.begin(), kEstimators.end())))
+      ->type_name("NAME");
   app.add_option("--aperture-mode", options.apertureMode,
                  "how lights shine through apertures: exact, smoothstep (as published), fast or accurate (default)")
       ->transform(CLI::CheckedTransformer(kApertureModes, CLI::ignore_case).description(""));
@@ -136,55 +129,75 @@ ParsedOptions parseOptions(int argc, char** argv) {
   app.add_option("--constant", options.technique.constant, "sky visibility of --technique constant")
       ->check(CLI::Range(0.0, 1.0))
       ->capture_default_str();
-  app.add_option("--gtao-quality", gtaoQuality, "of --technique gtao: low, medium or high")
+  app.add_option("--gtao-quality", given.gtaoQuality, "of --technique gtao: low, medium or high")
       ->check(CLI::IsMember(gtaoQualities()))
       ->capture_default_str();
-  auto* radiusOption =
-      app.add_option("--gtao-radius", gtaoRadius, "metres that --technique gtao searches (default: twice the width of the scene)")
-          ->check(CLI::Range(1e-9, 1e9));
+  app.add_option("--gtao-radius", given.gtaoRadius, "metres that --technique gtao searches (default: twice the width of the scene)")
+      ->check(CLI::Range(1e-9, 1e9));
   app.add_option("--surfel-nearness", options.technique.surfelNearness,
                  "radii within which --technique surfels looks at what a disc stands for: more is slower and finer")
       ->check(CLI::Range(1e-3, 1e3))
       ->capture_default_str();
-  auto* hourOption = app.add_option("--time-of-day", day.start, "sun and sky as at this hour, at time 0 (default: as the scene has them)")
-                         ->check(CLI::Range(0.0, 24.0));
+}
+
+void addSky(CLI::App& app, PlayerOptions& options, Daylight& day) {
+  auto* hour = app.add_option("--time-of-day", day.start, "sun and sky as at this hour, at time 0 (default: as the scene has them)")
+                   ->check(CLI::Range(0.0, 24.0));
   app.add_option("--hours-per-second", day.hoursPerSecond, "how fast the day passes, from --time-of-day on")
       ->check(CLI::Range(-1e3, 1e3))
-      ->needs(hourOption)
+      ->needs(hour)
       ->capture_default_str();
   app.add_option_function<double>(
          "--sun-radius", [&day](double degrees) { day.sunRadius = degrees * std::numbers::pi / 180.0; },
          "degrees from the middle of that sun to its rim: wider suns have softer shadows (default: the scene's, else 0.27)")
       ->check(CLI::Range(0.01, 30.0))
-      ->needs(hourOption);
-  app.add_option("--sky", sky, "an EXR, latitude-longitude or cube, that is the sky (default: as the scene has it)");
+      ->needs(hour);
+  app.add_option("--sky", options.sky, "an EXR, latitude-longitude or cube, that is the sky (default: as the scene has it)");
+}
+
+void addQuality(CLI::App& app, PlayerOptions& options) {
   app.add_option("--level-error", options.levelError, "pixels by which terrain may be off for fewer triangles; 0: all triangles")
       ->check(CLI::Range(0.0, 1e3))
       ->capture_default_str();
   app.add_flag("!--no-resample", options.resample,
                "composite radius fields and heightfields as they are, not as small volumes made at load: slower, less memory");
   app.add_option("--supersample", options.supersample, "samples per pixel along a side")->check(CLI::Range(1, 8))->capture_default_str();
-  try {
-    app.parse(argc, argv);
-    options.scene = scene;
-    options.sky = sky;
-    std::pair<int, int> range{0, 0}, sides{options.width, options.height};
-    if (!frames.empty()) take("--frames", parseFrames(frames), range);
-    if (!size.empty()) take("--size", parseSize(size), sides);
-    if (!camera.empty()) take("--camera", parseCamera(camera), options.camera);
-    std::tie(options.firstFrame, options.lastFrame) = range;
-    std::tie(options.width, options.height) = sides;
-    if (resolutionOption->count() > 0) options.resolution = resolution;
-    if (tapsOption->count() > 0) options.taps = taps;
-    if (estimatorOption->count() > 0) options.estimator = estimator;
-    for (const NamedGtaoSearch& quality : kGtaoQualities)
-      if (gtaoQuality == quality.name) options.technique.gtaoSearch = quality.search;
-    if (radiusOption->count() > 0) options.technique.gtaoRadius = gtaoRadius;
-    if (hourOption->count() > 0) options.daylight = day;
+}
+
+/// What is given becomes options; a usage error where it cannot.
+void takeGiven(const CLI::App& app, const Given& given, PlayerOptions& options) {
+  std::pair<int, int> range{0, 0}, sides{options.width, options.height};
+  if (!given.frames.empty()) take("--frames", parseFrames(given.frames), range);
+  if (!given.size.empty()) take("--size", parseSize(given.size), sides);
+  if (!given.camera.empty()) take("--camera", parseCamera(given.camera), options.camera);
+  std::tie(options.firstFrame, options.lastFrame) = range;
+  std::tie(options.width, options.height) = sides;
+  if (has(app, "--resolution")) options.resolution = given.resolution;
+  if (has(app, "--taps")) options.taps = given.taps;
+  if (has(app, "--estimator")) options.estimator = given.estimator;
+  for (const NamedGtaoSearch& quality : kGtaoQualities)
+    if (given.gtaoQuality == quality.name) options.technique.gtaoSearch = quality.search;
+  if (has(app, "--gtao-radius")) options.technique.gtaoRadius = given.gtaoRadius;
+  if (has(app, "--time-of-day")) options.daylight = given.day;
+}
+
+}  // namespace
+
+ParsedOptions parseOptions(int argc, char** argv) {
+  ParsedOptions parsed;
+  PlayerOptions& options = parsed.options;
+  CLI::App app("Plays a baked scene: sky light from composited distance volumes.", "overcast-player");
+  app.footer(kFooter);
+  app.option_defaults()->multi_option_policy(CLI::MultiOptionPolicy::TakeLast);
+  Given given;
+  addPlaying(app, options, given);
+  addShading(app, options, given);
+  addSky(app, options, given.day);
+  addQuality(app, options);
+  parsed.exitCode = parseArguments(app, argc, argv, [&] {
+    takeGiven(app, given, options);
     check(options);
-  } catch (const CLI::ParseError& error) {
-    parsed.exitCode = parseFailure(app, error);
-  }
+  });
   return parsed;
 }
 

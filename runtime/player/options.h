@@ -12,15 +12,7 @@
 #include "runtime/passes/aperture/aperture_pass.h"
 #include "runtime/technique.h"
 
-namespace CLI {
-class App;
-class ParseError;
-}  // namespace CLI
-
 namespace overcast {
-
-/// Exit codes, as overcast-bake has them where they mean the same.
-enum class ExitCode { ok = 0, internal = 1, usage = 2, unreadable = 3, unwritable = 4, noDevice = 5, unmet = 6 };
 
 struct PlayerOptions {
   std::filesystem::path scene;
@@ -54,9 +46,6 @@ struct ParsedOptions {
   std::optional<int> exitCode;
 };
 ParsedOptions parseOptions(int argc, char** argv);
-
-/// Shows the help that was asked for, or reports the usage error; the exit code.
-int parseFailure(const CLI::App& app, const CLI::ParseError& error);
 
 /// The file for one frame: the first run of # in the pattern, or its %d, %4d or %04d, becomes the frame number, zero-padded.
 std::string pictureFile(const std::string& pattern, int frame);

@@ -9,6 +9,7 @@
 
 #include "formats/console.h"
 #include "formats/files.h"
+#include "runtime/player/command.h"
 #include "runtime/player/options.h"
 #include "runtime/report/compare.h"
 #include "runtime/report/make_report.h"
@@ -30,11 +31,6 @@ struct Options {
   Wish wish;
   bool quiet = false;
 };
-
-int fail(const Error& error, ExitCode code) {
-  printMessage(fmt::format("overcast-player: {}\n", message(error)));
-  return static_cast<int>(code);
-}
 
 void addOptions(CLI::App& app, Options& options) {
   app.add_option("SCENE", options.scenes,
@@ -114,12 +110,7 @@ int reportCommand(int argc, char** argv) {
                "overcast-player report");
   Options options;
   addOptions(app, options);
-  try {
-    app.parse(argc, argv);
-    checkTogether(options);
-  } catch (const CLI::ParseError& error) {
-    return parseFailure(app, error);
-  }
+  if (const auto code = parseArguments(app, argc, argv, [&] { checkTogether(options); })) return *code;
   return runReport(options);
 }
 
@@ -130,13 +121,8 @@ int compareCommand(int argc, char** argv) {
   app.add_option("AFTER", after, "another, of the same scenes")->required();
   app.footer(
       "Exit codes: 0 nothing got worse, 2 usage, 3 unreadable report, 6 something got worse beyond the noise that both reports state, or "
-      "is "
-      "gone.");
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& error) {
-    return parseFailure(app, error);
-  }
+      "is gone.");
+  if (const auto code = parseArguments(app, argc, argv)) return *code;
   const auto was = readReport(before), is = readReport(after);
   for (const auto* report : {&was, &is})
     if (!*report) return fail(report->error(), ExitCode::unreadable);
