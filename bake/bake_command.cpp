@@ -203,6 +203,7 @@ int bakeCommand(const std::vector<std::string>& arguments) {
     return kCannotWrite;
   }
   watchInterrupts();
+  returnLargeBlocks();
   std::optional<tbb::global_control> limit;
   if (options.threads > 0) limit.emplace(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(options.threads));
   return Run(options, std::get<BakePlan>(planned), cache.value().get()).run();

@@ -1,5 +1,7 @@
 #include "bake/memory.h"
 
+#include <malloc.h>
+
 #include <algorithm>
 #include <fstream>
 #include <limits>
@@ -9,6 +11,7 @@
 namespace overcast {
 namespace {
 
+constexpr int kLargeBlock = 1 << 20;
 constexpr std::uint64_t kNoLimit = std::numeric_limits<std::uint64_t>::max();
 
 /// The value of "<key>  <number> kB" in a file of /proc, in bytes; `otherwise` when it is not there.
@@ -67,6 +70,10 @@ std::uint64_t availableMemory() {
   const std::uint64_t most = numberIn("/sys/fs/cgroup/memory.max", kNoLimit);
   const std::uint64_t used = numberIn("/sys/fs/cgroup/memory.current", 0);
   return std::min(system, most == kNoLimit ? kNoLimit : most - std::min(most, used));
+}
+
+void returnLargeBlocks() {
+  ::mallopt(M_MMAP_THRESHOLD, kLargeBlock);
 }
 
 std::uint64_t meshMemory(const Mesh& mesh) {

@@ -17,6 +17,10 @@ std::uint64_t residentMemory();
 /// Bytes that this process may still take without swapping: what the system says is available, less where its control group allows less.
 std::uint64_t availableMemory();
 
+/// Has large blocks of memory go back to the system when they are freed, from now on. Otherwise each thread keeps what its largest job
+/// took, and bounding the jobs that run at once bounds nothing.
+void returnLargeBlocks();
+
 /// Bytes of a mesh in memory.
 std::uint64_t meshMemory(const Mesh& mesh);
 

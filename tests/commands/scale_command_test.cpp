@@ -404,12 +404,15 @@ TEST_F(ScaleCommand, MemoryStaysWithinTheLimit) {
     const json document = bakeJson(fmt::format("large --each --resolution 8 --error-samples 10 --threads 4 {}", options));
     return std::pair<std::uint64_t, std::uint64_t>(document["peakMemory"], document["memoryLimit"]);
   };
-  const auto [wide, free] = peak("-o wide");
-  const auto [narrow, limit] = peak("-o narrow --memory 300M");
-  EXPECT_EQ(limit, 300u << 20);
-  EXPECT_LE(narrow, limit);  // not held against the wide peak: on a busy machine its bakes need not have met
-  EXPECT_GT(wide, 0u);
-  EXPECT_GT(free, 0u);
+  const auto [narrow, limit] = peak("-o narrow --memory 150M");
+  EXPECT_EQ(limit, 150u << 20);
+  EXPECT_LE(narrow, limit);
+  std::uint64_t wide = 0;  // on a busy machine bakes may miss each other a few times
+  for (int attempt = 0; attempt < 5 && wide <= limit; ++attempt) {
+    fs::remove_all(folder / "wide");
+    wide = peak("-o wide").first;
+  }
+  EXPECT_GT(wide, limit) << "the limit is none";
   expectSameFiles(filesIn("narrow"), filesIn("wide"));
   EXPECT_EQ(bake("ball.off -o out --memory much").exitCode, 2);
 }
