@@ -405,7 +405,8 @@ void recordFrame(VkCommandBuffer commands, FrameRenderer& renderer, const Runtim
   FrameTargets& targets = renderer.targets;
   beginTimedFrame(commands, renderer.timer, 0);
   const Technique technique = renderer.settings.technique.technique;
-  const std::vector<shared::ApertureLight> lights = apertureLights(lighting, nodes, eye(view));
+  const std::vector<shared::ApertureLight> lights =
+      targets.aperture ? apertureLights(lighting, nodes, eye(view)) : std::vector<shared::ApertureLight>();
   const bool read = readsVolume(technique) && (!targets.aperture || renderer.rest || (renderer.manyObjects && !lights.empty()));
   const auto composite = [&] { return recordComposite(commands, renderer.composite, placed.occluders); };
   const bool composited = read && (renderer.borrows || timed(commands, renderer, FramePass::composite, composite));

@@ -75,6 +75,11 @@ OVERCAST_INLINE float coneWidth(float t, float radius) {
   return max(t * capSine(radius), kConeNarrowest);
 }
 
+/// How much of a cone is clear where the nearest surface is `phi` from its axis (negative: beyond it), [0, 1].
+OVERCAST_INLINE float coneClear(float phi, float width) {
+  return clamp(0.5f + 0.5f * phi / width, 0.0f, 1.0f);
+}
+
 /// How far the next step goes: to where something can be that is not seen from here, but on through what half blocks the cone.
 OVERCAST_INLINE float coneStep(float phi, float width) {
   return max(phi, width);

@@ -36,11 +36,6 @@ OVERCAST_INLINE float reachInVolume(vec3 p, vec3 direction, vec3 size) {
   return max(end, 0.0f);
 }
 
-/// How much of a cone is clear where the nearest surface is `phi` from its axis (negative: beyond it), [0, 1].
-OVERCAST_INLINE float coneClear(float phi, float width) {
-  return clamp(0.5f + 0.5f * phi / width, 0.0f, 1.0f);
-}
-
 OVERCAST_SHARED_END
 
 #endif
