@@ -1,13 +1,16 @@
 #include "runtime/rest_visibility.h"
 
 #include <algorithm>
+#include <array>
 #include <span>
+#include <utility>
 
 #include <glm/geometric.hpp>
 #include <glm/matrix.hpp>
 
 #include "runtime/passes/shade/sky_points_pass.h"
 #include "runtime/rest_fit.h"
+#include "runtime/rest_window.h"
 
 namespace overcast {
 namespace {
@@ -21,14 +24,20 @@ constexpr double kAlike = 0.2;
 /// Signed distance in voxels, a voxel above a surface, below which it lies within another object.
 constexpr float kBuried = -0.25f;
 
+/// A volume, and what looks at points of it.
+struct Viewed {
+  RestVolume volume;
+  SkyPointsPass points;
+};
+
 /// All that the job reads.
 struct Job {
   const Device& device;
   const RuntimeScene& scene;
   const AssetStore& store;
+  const GlobalGrid& grid;
   const SkyEstimator& estimator;
-  RestVolume& volume;
-  SkyPointsPass points;
+  std::vector<Viewed> volumes;    ///< one for each size of a grid that was asked for
   std::vector<glm::dmat4> nodes;  ///< worldFromLocal at rest
   std::vector<float> vertices;
   std::vector<std::uint32_t> indices;
@@ -46,9 +55,9 @@ glm::vec3 unitOr(const glm::vec3& v, const glm::vec3& other) {
   return length > 0.0f && length < 1e30f ? v / length : other;
 }
 
-PlacedMesh placed(const Job& job, const SceneObject& object) {
+PlacedMesh placed(const Job& job, const GlobalGrid& grid, const SceneObject& object) {
   const SceneMesh& mesh = job.scene.meshes[object.mesh];
-  const glm::dmat4 voxelFromLocal = voxelFromWorld(job.volume.composite.grid) * job.nodes[object.node];
+  const glm::dmat4 voxelFromLocal = voxelFromWorld(grid) * job.nodes[object.node];
   const shared::GeometryInstance axes = geometryInstance(job.nodes[object.node], glm::dvec3(0.0));
   PlacedMesh result;
   const float* vertex = job.vertices.data() + static_cast<std::size_t>(mesh.parts.front().vertexOffset) * shared::kVertexFloats;
@@ -66,8 +75,8 @@ PlacedMesh placed(const Job& job, const SceneObject& object) {
 }
 
 /// What the estimator says at the vertices of an object in the volume as it is.
-Result<std::vector<float>> valuesOf(const Job& job, const SceneObject& object) {
-  const PlacedMesh mesh = placed(job, object);
+Result<std::vector<float>> valuesOf(const Job& job, const Viewed& viewed, const SceneObject& object) {
+  const PlacedMesh mesh = placed(job, viewed.volume.composite.grid, object);
   std::vector<shared::SkyPoint> points;
   for (std::size_t v = 0; v < mesh.positions.size(); ++v)
     points.push_back({glm::vec4(mesh.positions[v], 1.0f), glm::vec4(mesh.normals[v], 0.0f)});
@@ -80,7 +89,7 @@ Result<std::vector<float>> valuesOf(const Job& job, const SceneObject& object) {
     }
     points.push_back({glm::vec4(place, 1.0f), glm::vec4(unitOr(normal, mesh.normals[spot.corner.x]), 0.0f)});
   }
-  const auto seen = seenAt(job.device, job.points, points, job.scene.lighting.up);
+  const auto seen = seenAt(job.device, viewed.points, points, job.scene.lighting.up);
   if (!seen) return seen.error();
   std::vector<float> atVertices, atSpots;
   for (std::size_t i = 0; i < points.size(); ++i) (i < mesh.positions.size() ? atVertices : atSpots).push_back(seen.value()[i].visibility);
@@ -89,17 +98,45 @@ Result<std::vector<float>> valuesOf(const Job& job, const SceneObject& object) {
   return fittedTo(std::move(atVertices), spots, atSpots);
 }
 
-/// Composites the objects that `present` names, and the pyramid over them.
-template <class Present>
-Result<Done> compositeOnly(Job& job, const Present& present) {
-  std::vector<shared::CompositeObject> occluders;
-  for (const SceneObject& object : job.scene.objects)
-    occluders.push_back(present(object)
-                            ? compositeObject(job.store.entries[object.asset], job.nodes[object.node], job.volume.composite.grid)
-                            : shared::CompositeObject{});
+void destroyViewed(const Device& device, Viewed& viewed) {
+  destroySkyPointsPass(device, viewed.points);
+  destroyPyramidPass(device, viewed.volume.pyramid);
+  destroyCompositePass(device, viewed.volume.composite);
+}
+
+Result<Done> makeViewed(const Job& job, const GlobalGrid& grid, Viewed& viewed) {
+  Result<CompositePass> composite = makeCompositePass(job.device, grid, job.store, static_cast<std::uint32_t>(job.scene.objects.size()));
+  if (!composite) return composite.error();
+  viewed.volume.composite = std::move(composite).value();
+  Result<PyramidPass> pyramid = makePyramidPass(job.device, viewed.volume.composite.volume, job.estimator.levels);
+  if (!pyramid) return pyramid.error();
+  viewed.volume.pyramid = std::move(pyramid).value();
+  Result<SkyPointsPass> points = makeSkyPointsPass(job.device, viewed.volume.pyramid, job.estimator);
+  if (!points) return points.error();
+  viewed.points = std::move(points).value();
+  return Done{};
+}
+
+/// The volume of `grid`'s size, moved to where `grid` is, made where there is none yet. Good until the next call. Null: `done` says why.
+Viewed* volumeFor(Job& job, const GlobalGrid& grid, Result<Done>& done) {
+  auto found = std::find_if(job.volumes.begin(), job.volumes.end(),
+                            [&](const Viewed& viewed) { return viewed.volume.composite.grid.size == grid.size; });
+  if (found == job.volumes.end()) {
+    done = makeViewed(job, grid, job.volumes.emplace_back());
+    found = job.volumes.end() - 1;
+  }
+  found->volume.composite.grid = grid;
+  return done ? &*found : nullptr;
+}
+
+Result<Done> composite(const Job& job, RestVolume& volume, std::span<const shared::CompositeObject> occluders) {
   return runCommands(job.device, [&](VkCommandBuffer commands) {
-    if (recordComposite(commands, job.volume.composite, occluders)) recordPyramid(commands, job.volume.pyramid);
+    if (recordComposite(commands, volume.composite, occluders)) recordPyramid(commands, volume.pyramid);
   });
+}
+
+shared::CompositeObject occluderOf(const Job& job, const SceneObject& object, const GlobalGrid& grid) {
+  return compositeObject(job.store.entries[object.asset], job.nodes[object.node], grid);
 }
 
 bool isFine(const SceneMesh& mesh) {
@@ -142,17 +179,23 @@ bool has(const Kinds& kinds, RestKind kind) {
   return std::find(kinds.of.begin(), kinds.of.end(), kind) != kinds.of.end();
 }
 
-/// Whether objects of one mesh, each alone, look alike to the estimator but for where they stand in the grid: about as large, and upright
-/// in the same way.
-bool standAlike(const glm::dmat3& a, const glm::dmat3& b, const glm::dvec3& up) {
+/// Whether objects of one mesh, each alone, look alike to the estimator but for where they stand in the grid: about as large, and, where
+/// it looks along normals that are skewed, upright in the same way.
+bool standAlike(const glm::dmat3& a, const glm::dmat3& b, const glm::dvec3& up, bool skewed) {
   const glm::dmat3 sizes = glm::transpose(a) * a, others = glm::transpose(b) * b;
   double most = 0.0, apart = 0.0;
   for (int c = 0; c < 3; ++c) {
     most = std::max(most, sizes[c][c]);
     for (int r = 0; r < 3; ++r) apart = std::max(apart, std::abs(sizes[c][r] - others[c][r]));
   }
+  if (!skewed) return apart <= kAlike * most;
   const glm::dvec3 mine = glm::transpose(a) * up, theirs = glm::transpose(b) * up;
   return apart <= kAlike * most && glm::dot(mine, theirs) >= (1.0 - 0.1 * kAlike) * glm::length(mine) * glm::length(theirs);
+}
+
+/// Whether what the estimator says depends on how a surface stands to the sky.
+bool isSkewed(const SkyEstimator& estimator) {
+  return estimator.traced == 0 && estimator.directions.empty();
 }
 
 /// By object: the first alone of the same mesh that stands alike, or itself.
@@ -164,7 +207,8 @@ std::vector<std::size_t> firstAlike(const Job& job, const Kinds& kinds) {
     if (kinds.of[i] != RestKind::alone) continue;
     const auto alike = std::find_if(found.begin(), found.end(), [&](std::size_t j) {
       return objects[j].mesh == objects[i].mesh && objects[j].asset == objects[i].asset &&
-             standAlike(glm::dmat3(job.nodes[objects[j].node]), glm::dmat3(job.nodes[objects[i].node]), job.scene.lighting.up);
+             standAlike(glm::dmat3(job.nodes[objects[j].node]), glm::dmat3(job.nodes[objects[i].node]), job.scene.lighting.up,
+                        isSkewed(job.estimator));
     });
     if (alike == found.end())
       found.push_back(i);
@@ -174,27 +218,46 @@ std::vector<std::size_t> firstAlike(const Job& job, const Kinds& kinds) {
   return first;
 }
 
-/// Values of all vertices of the objects that have their own; afterwards the volume holds all that rests, where anyone asks for that.
+/// Values of an object alone. What only rays look at needs no more of the volume than its surroundings.
+Result<std::vector<float>> valuesAlone(Job& job, const SceneObject& object) {
+  const shared::CompositeObject inWhole = occluderOf(job, object, job.grid);
+  const GlobalGrid grid = job.estimator.traced > 0 && inWhole.present != 0 ? windowAbout(job.grid, inWhole) : job.grid;
+  Result<Done> done = Done{};
+  Viewed* viewed = volumeFor(job, grid, done);
+  if (done) {
+    const std::array alone{occluderOf(job, object, grid)};
+    done = composite(job, viewed->volume, alone);
+  }
+  if (!done) return done.error();
+  return valuesOf(job, *viewed, object);
+}
+
+/// Composites all that rests into the whole volume.
+Result<Done> compositeAll(Job& job, const Kinds& kinds) {
+  std::vector<shared::CompositeObject> occluders;
+  for (const SceneObject& object : job.scene.objects)
+    occluders.push_back(kinds.moving[object.node] ? shared::CompositeObject{} : occluderOf(job, object, job.grid));
+  Result<Done> done = Done{};
+  Viewed* whole = volumeFor(job, job.grid, done);
+  return done ? composite(job, whole->volume, occluders) : done;
+}
+
+/// Values of all vertices of the objects that have their own; afterwards the whole volume holds all that rests, where anyone asks for that.
 Result<std::vector<std::vector<float>>> restValues(Job& job, const Kinds& kinds, const std::vector<std::size_t>& first) {
   const std::vector<SceneObject>& objects = job.scene.objects;
   std::vector<std::vector<float>> values(objects.size());
   Result<Done> done = Done{};
-  const auto look = [&](std::size_t i) {
-    Result<std::vector<float>> seen = valuesOf(job, objects[i]);
+  const auto keep = [&](std::size_t i, Result<std::vector<float>> seen) {
     if (!seen)
       done = seen.error();
     else
       values[i] = std::move(seen).value();
   };
-  for (std::size_t i = 0; i < objects.size() && done; ++i) {
-    if (kinds.of[i] != RestKind::alone || first[i] != i) continue;
-    done = compositeOnly(job, [&](const SceneObject& object) { return &object == &objects[i]; });
-    if (done) look(i);
-  }
-  if (done && (has(kinds, RestKind::vertices) || has(kinds, RestKind::volume)))
-    done = compositeOnly(job, [&](const SceneObject& object) { return !kinds.moving[object.node]; });
   for (std::size_t i = 0; i < objects.size() && done; ++i)
-    if (kinds.of[i] == RestKind::vertices) look(i);
+    if (kinds.of[i] == RestKind::alone && first[i] == i) keep(i, valuesAlone(job, objects[i]));
+  if (done && (has(kinds, RestKind::vertices) || has(kinds, RestKind::volume))) done = compositeAll(job, kinds);
+  for (std::size_t i = 0; i < objects.size() && done; ++i)
+    if (kinds.of[i] == RestKind::vertices) keep(i, valuesOf(job, *volumeFor(job, job.grid, done), objects[i]));
   if (!done) return done.error();
   return values;
 }
@@ -233,38 +296,17 @@ Result<Done> upload(const Job& job, const Kinds& kinds, const std::vector<std::v
   return Done{};
 }
 
-Result<Done> makeVolume(Job& job, const GlobalGrid& grid) {
-  Result<CompositePass> composite = makeCompositePass(job.device, grid, job.store, static_cast<std::uint32_t>(job.scene.objects.size()));
-  if (!composite) return composite.error();
-  job.volume.composite = std::move(composite).value();
-  Result<PyramidPass> pyramid = makePyramidPass(job.device, job.volume.composite.volume, job.estimator.levels);
-  if (!pyramid) return pyramid.error();
-  job.volume.pyramid = std::move(pyramid).value();
-  Result<SkyPointsPass> points = makeSkyPointsPass(job.device, job.volume.pyramid, job.estimator);
-  if (!points) return points.error();
-  job.points = std::move(points).value();
-  return Done{};
-}
-
-Result<Done> fill(Job& job, const Kinds& kinds, const GlobalGrid& grid, RestBuffers& rest) {
+Result<Done> fill(Job& job, const Kinds& kinds, RestBuffers& rest) {
   Result<std::vector<float>> vertices = readValues<float>(job.device, job.scene.vertices);
   if (!vertices) return vertices.error();
   job.vertices = std::move(vertices).value();
   Result<std::vector<std::uint32_t>> indices = readValues<std::uint32_t>(job.device, job.scene.indices);
   if (!indices) return indices.error();
   job.indices = std::move(indices).value();
-  if (const Result<Done> made = makeVolume(job, grid); !made) return made;
   const std::vector<std::size_t> first = firstAlike(job, kinds);
   const auto values = restValues(job, kinds, first);
   if (!values) return values.error();
   return upload(job, kinds, values.value(), first, rest);
-}
-
-void destroyRestVolume(const Device& device, RestVisibility& rest) {
-  if (!rest.volume) return;
-  destroyPyramidPass(device, rest.volume->pyramid);
-  destroyCompositePass(device, rest.volume->composite);
-  rest.volume.reset();
 }
 
 }  // namespace
@@ -279,21 +321,25 @@ Result<RestVisibility> makeRestVisibility(const Device& device, const RuntimeSce
                                           const SkyEstimator& estimator) {
   const Kinds kinds = kindsOf(scene);
   RestVisibility rest;
-  Job job{device, scene, store, estimator, rest.volume.emplace(), {}, worldFromLocal(scene.scene, 0.0), {}, {}};
-  const Result<Done> filled = fill(job, kinds, grid, rest.buffers);
-  destroySkyPointsPass(device, job.points);
-  if (!filled) {
-    destroyRestVisibility(device, rest);
-    return filled.error();
+  Job job{device, scene, store, grid, estimator, {}, worldFromLocal(scene.scene, 0.0), {}, {}};
+  const Result<Done> filled = fill(job, kinds, rest.buffers);
+  for (Viewed& viewed : job.volumes) {
+    if (filled && has(kinds, RestKind::volume) && viewed.volume.composite.grid.size == grid.size)
+      rest.volume = std::exchange(viewed.volume, {});
+    destroyViewed(device, viewed);
   }
-  if (!has(kinds, RestKind::volume)) destroyRestVolume(device, rest);
-  return rest;
+  if (filled) return rest;
+  destroyRestVisibility(device, rest);
+  return filled.error();
 }
 
 void destroyRestVisibility(const Device& device, RestVisibility& rest) {
   destroyBuffer(device, rest.buffers.values);
   destroyBuffer(device, rest.buffers.instances);
-  destroyRestVolume(device, rest);
+  if (!rest.volume) return;
+  destroyPyramidPass(device, rest.volume->pyramid);
+  destroyCompositePass(device, rest.volume->composite);
+  rest.volume.reset();
 }
 
 }  // namespace overcast

@@ -3,6 +3,7 @@
 #include "runtime/rest_visibility.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <random>
 #include <tuple>
@@ -11,7 +12,9 @@
 
 #include "formats/aperture.h"
 #include "runtime/passes/shade/rest.h"
+#include "runtime/passes/shade/sky_points_pass.h"
 #include "runtime/rest_fit.h"
+#include "runtime/rest_window.h"
 #include "tests/runtime/baked_scene.h"
 #include "tests/runtime/frames.h"
 
@@ -239,6 +242,134 @@ TEST_F(Rest, AloneObjectsKnowOfThemselves) {
   EXPECT_FALSE(renderer.rest->volume);
   EXPECT_NEAR(skyAt({-1.2, 0.0, 1.2}, 0.0), 0.4f, 0.03f);
   EXPECT_LT(skyAt({0.1, 0.0, -0.3}, 0.0), 0.33f) << "the box stands there";
+}
+
+/// Where in memory each object's values begin, less its mesh's first vertex.
+std::vector<shared::RestInstance> restInstances(const Device& device, const RestVisibility& rest) {
+  return readValues<shared::RestInstance>(device, rest.buffers.instances).value();
+}
+
+/// What the estimator says at the vertices of `object` alone in the whole of `grid`.
+std::vector<SkySeen> seenInWhole(const Device& device, const RuntimeScene& scene, const AssetStore& store, const GlobalGrid& grid,
+                                 const SkyEstimator& estimator, const SceneObject& object) {
+  CompositePass composite = makeCompositePass(device, grid, store, 1).value();
+  PyramidPass pyramid = makePyramidPass(device, composite.volume, estimator.levels).value();
+  SkyPointsPass pass = makeSkyPointsPass(device, pyramid, estimator).value();
+  const glm::dmat4 world = worldFromLocal(scene.scene, 0.0)[object.node], voxel = voxelFromWorld(grid) * world;
+  const std::array alone{compositeObject(store.entries[object.asset], world, grid)};
+  const auto done = runCommands(device, [&](VkCommandBuffer commands) {
+    if (recordComposite(commands, composite, alone)) recordPyramid(commands, pyramid);
+  });
+  EXPECT_TRUE(done.ok());
+  const SceneMesh& mesh = scene.meshes[object.mesh];
+  const std::vector<float> vertices = readValues<float>(device, scene.vertices).value();
+  const glm::dmat3 turned = glm::transpose(glm::inverse(glm::dmat3(world)));
+  std::vector<shared::SkyPoint> points;
+  for (std::uint32_t v = 0; v < mesh.vertexCount; ++v) {
+    const float* at = &vertices[(static_cast<std::size_t>(mesh.parts.front().vertexOffset) + v) * shared::kVertexFloats];
+    const glm::dvec3 place = voxel * glm::dvec4(mesh.centre + glm::dvec3(at[0], at[1], at[2]), 1.0);
+    points.push_back({glm::vec4(place, 1.0f), glm::vec4(glm::normalize(turned * glm::dvec3(at[3], at[4], at[5])), 0.0f)});
+  }
+  std::vector<SkySeen> seen = seenAt(device, pass, points, scene.lighting.up).value();
+  destroySkyPointsPass(device, pass);
+  destroyPyramidPass(device, pyramid);
+  destroyCompositePass(device, composite);
+  return seen;
+}
+
+/// A bowl, which sees itself, of four spheres' worth of vertices: finer than the voxels.
+void makeBowl(Scene& made, const fs::path& folder) {
+  const auto bowl = [](const glm::dvec3& p) { return std::max(std::abs(glm::length(p) - 0.42) - 0.08, p.y - 0.1); };
+  made.nodes[1].occluder = writeOccluder(folder, "bowl", sampledVolume({glm::dvec3(-0.5), {0.5, 0.1, 0.5}}, 48, bowl));
+  Mesh& mesh = made.meshes[1] = reference::icosphere(0.34, 4);
+  for (glm::dvec3& p : mesh.positions) {
+    mesh.normals.emplace_back(-glm::normalize(p));
+    p.y = std::min(p.y, 0.1);
+  }
+  mesh.parts = {{0, static_cast<std::uint32_t>(mesh.triangles.size()), 1}};
+}
+
+TEST_F(Rest, AnObjectAloneSeesInItsSurroundingsWhatItSeesInTheWholeVolume) {
+  Scene made = make({-0.7, 0.5, 0.0}, 1.0f, false);
+  makeBowl(made, temporaryFolder());
+  const Node bowl = made.nodes[1];
+  made.nodes[0].scale = {1.3, 1.0, 1.0};
+  made.animations.clear();
+  for (const glm::dvec3& at : {glm::dvec3(1.2, 0.9, 0.7), {1.93, 0.2, -1.97}}) {  // one sticks out of the volume
+    made.nodes.push_back(bowl);
+    made.nodes.back().translation = at;
+    made.nodes.back().scale = glm::dvec3(at.x > 1.5 ? 0.4 : 0.7);
+  }
+  for (Mesh& mesh : made.meshes) giveApertures(mesh, 1.0f, false);
+  made.lighting->globalVolume = {Box{{-2.0, -0.3, -2.0}, {2.0, 2.0, 2.0}}, 96};
+  openScene(made, "hybrid-traced");
+  ASSERT_TRUE(renderer.rest);
+  const std::vector<float> values = readValues<float>(device, renderer.rest->buffers.values).value();
+  const auto places = restInstances(device, *renderer.rest);
+  for (std::size_t i = 1; i < scene.objects.size(); ++i) {
+    const SceneObject& object = scene.objects[i];
+    const shared::CompositeObject record =
+        compositeObject(renderer.store.entries[object.asset], worldFromLocal(scene.scene, 0.0)[object.node], renderer.grid);
+    EXPECT_LT(windowAbout(renderer.grid, record).size.x, renderer.grid.size.x) << "else nothing is tested";
+    const auto seen = seenInWhole(device, scene, renderer.store, renderer.grid, renderer.estimator, object);
+    double least = 1.0, worst = 0.0;
+    const int first = places[i].shift + scene.meshes[object.mesh].parts.front().vertexOffset;
+    for (std::size_t v = 0; v < seen.size(); ++v) {
+      least = std::min(least, static_cast<double>(seen[v].visibility));
+      worst = std::max(worst, std::abs(static_cast<double>(values[static_cast<std::size_t>(first) + v]) - seen[v].visibility));
+    }
+    EXPECT_LT(least, 0.7) << "object " << i << " hides nothing of itself";
+    EXPECT_LT(worst, 1.5 / 128.0) << "object " << i << ": more than the rounding of a ray of 128";
+  }
+}
+
+TEST_F(Rest, TurnedInstancesShareWhatRaysSeeOfThem) {
+  Scene made = make({-0.7, 0.8, 0.0}, 1.0f, false);
+  makeBowl(made, temporaryFolder());
+  made.nodes.push_back(made.nodes[1]);
+  made.nodes.back().translation = {0.9, 0.8, 0.3};
+  made.nodes.back().rotation = glm::angleAxis(2.2, glm::normalize(glm::dvec3(1.0, 0.3, -0.6)));
+  for (Mesh& mesh : made.meshes) giveApertures(mesh, 1.0f, false);
+  openScene(made, "hybrid-traced");
+  const auto traced = restInstances(device, *renderer.rest);
+  EXPECT_EQ(traced[1].shift, traced[2].shift);
+  const auto& objects = scene.objects;
+  const auto own = seenInWhole(device, scene, renderer.store, renderer.grid, renderer.estimator, objects[1]);
+  const auto turned = seenInWhole(device, scene, renderer.store, renderer.grid, renderer.estimator, objects[2]);
+  double squares = 0.0;
+  for (std::size_t v = 0; v < own.size(); ++v) squares += std::pow(own[v].visibility - turned[v].visibility, 2.0);
+  EXPECT_LT(std::sqrt(squares / static_cast<double>(own.size())), 0.03) << "what voxels do to it";
+  close();
+  openScene(made, "hybrid");
+  const auto tapped = restInstances(device, *renderer.rest);
+  EXPECT_NE(tapped[1].shift, tapped[2].shift) << "taps lean towards the sky";
+}
+
+TEST(RestWindow, HoldsTheBoxAndLiesInTheGrid) {
+  const GlobalGrid grid = globalGrid(Box{glm::dvec3(-2.0), {2.0, 0.5, 2.0}}, 128);
+  std::mt19937 random(11);
+  std::uniform_real_distribution<double> place(-2.4, 2.4), size(0.02, 1.0);
+  for (int run = 0; run < 300; ++run) {
+    const glm::dvec3 half(size(random), size(random), size(random));
+    const double angle = place(random);
+    glm::dmat4 world = glm::mat4_cast(glm::angleAxis(angle, glm::normalize(glm::dvec3(1.0, angle, 0.3))));
+    world[3] = glm::dvec4(place(random), place(random), place(random), 1.0);
+    const shared::CompositeObject object = compositeObject(Primitive{PrimitiveShape::cuboid, {}, {1, 0, 0, 0}, half}, world, grid);
+    const GlobalGrid window = windowAbout(grid, object);
+    const glm::dvec3 first = (window.origin - grid.origin) / grid.voxelSize, last = first + glm::dvec3(window.size);
+    for (int axis = 0; axis < 3; ++axis) {
+      EXPECT_NEAR(first[axis], std::round(first[axis]), 1e-9);
+      EXPECT_GE(first[axis], -1e-9);
+      EXPECT_LE(last[axis], grid.size[axis] + 1e-9);
+      EXPECT_EQ(window.size[axis] % shared::kBrickSide, 0);
+    }
+    for (int corner = 0; corner < 8; ++corner) {
+      const glm::dvec3 local(corner & 1 ? half.x : -half.x, corner & 2 ? half.y : -half.y, corner & 4 ? half.z : -half.z);
+      const glm::dvec3 at =
+          glm::clamp(glm::dvec3(voxelFromWorld(grid) * world * glm::dvec4(local, 1.0)), glm::dvec3(0.0), glm::dvec3(grid.size));
+      EXPECT_TRUE(glm::all(glm::greaterThanEqual(at, first - 1e-6)) && glm::all(glm::lessThanEqual(at, last + 1e-6))) << run;
+    }
+  }
 }
 
 }  // namespace
