@@ -1,5 +1,7 @@
 #include "runtime/report/page.h"
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <set>
 
@@ -31,8 +33,8 @@ std::string legend(const Report& report) {
   }
   return fmt::format(
       "<div class=\"legend\"><b>Overcast</b>{}</div><div class=\"legend\"><b>what else one could take</b>{}</div>\n<p "
-      "class=\"quiet\">Lower and "
-      "further left is better. Dashed: the front; what lies above and to the right of it is beaten. Thin lines join the resolutions of one "
+      "class=\"quiet\">Lower and further left is better. Dashed: the front; what lies above and to the right of it is beaten. Thin lines "
+      "join the resolutions of one "
       "setting. Hollow: another bake of the scene. Point at a mark for its settings and its picture, click to keep it.</p>\n",
       ours, others);
 }
@@ -46,29 +48,49 @@ std::string charts(const ReportScene& scene, const std::string& error) {
          panel("Error against memory", tradeoffChart(scene, Cost::bytes, error)) + "</div>\n";
 }
 
-std::string viewErrors(const ReportRow& row) {
-  if (row.errors.views.empty()) return "<td></td><td></td>";
-  return fmt::format("<td>{:.4f}</td><td>{:.4f}</td>", row.errors.views.front(), row.errors.views.back());
-}
+/// A column of the table of settings: what it says of a row, empty where it has nothing to say.
+struct Column {
+  const char* title;
+  std::string (*text)(const ReportRow& row);
+};
+
+constexpr std::array kColumns{
+    Column{"RMSE", [](const ReportRow& row) { return fmt::format("{:.4f}", row.errors.rmse); }},
+    Column{"first frame",
+           [](const ReportRow& row) { return row.errors.views.empty() ? std::string() : fmt::format("{:.4f}", row.errors.views.front()); }},
+    Column{"last frame",
+           [](const ReportRow& row) { return row.errors.views.empty() ? std::string() : fmt::format("{:.4f}", row.errors.views.back()); }},
+    Column{"bias", [](const ReportRow& row) { return fmt::format("{:+.4f}", row.errors.bias); }},
+    Column{"MAE", [](const ReportRow& row) { return fmt::format("{:.4f}", row.errors.mae); }},
+    Column{"p95", [](const ReportRow& row) { return fmt::format("{:.3f}", row.errors.p95); }},
+    Column{"p99", [](const ReportRow& row) { return fmt::format("{:.3f}", row.errors.p99); }},
+    Column{"SSIM", [](const ReportRow& row) { return fmt::format("{:.3f}", row.errors.ssim); }},
+    Column{"FLIP", [](const ReportRow& row) { return fmt::format("{:.4f}", row.errors.flip); }},
+    Column{"flicker",
+           [](const ReportRow& row) { return row.errors.flicker < 0.0 ? std::string() : fmt::format("{:.4f}", row.errors.flicker); }},
+    Column{"moving ms", [](const ReportRow& row) { return fmt::format("{:.1f}", row.frame.median); }},
+    Column{"noise", [](const ReportRow& row) { return fmt::format("{:.1f}", row.frame.noise); }},
+    Column{"still ms", [](const ReportRow& row) { return fmt::format("{:.1f}", row.still.median); }},
+    Column{"noise", [](const ReportRow& row) { return fmt::format("{:.1f}", row.still.noise); }},
+    Column{"rounds", [](const ReportRow& row) { return row.still.rounds > 0 ? fmt::format("{}", row.still.rounds) : std::string(); }},
+    Column{"MB device", [](const ReportRow& row) { return megabytes(row.gpuBytes); }},
+    Column{"MB assets", [](const ReportRow& row) { return megabytes(row.assetBytes); }},
+};
 
 std::string rowsTable(const ReportScene& scene) {
   std::set<std::size_t> front;
   for (const Tradeoff& point : paretoFront(tradeoffs(scene, Cost::frame))) front.insert(point.row);
-  std::string html =
-      "<div class=\"panel\"><table class=\"sorted\"><thead><tr><th>setting</th><th>RMSE</th><th>first frame</th><th>last "
-      "frame</th><th>bias</th>"
-      "<th>MAE</th><th>p95</th><th>p99</th><th>SSIM</th><th>FLIP</th><th>flicker</th><th>moving ms</th><th>noise</th><th>still ms</th>"
-      "<th>noise</th><th>rounds</th><th>MB device</th><th>MB assets</th></tr></thead><tbody>\n";
+  std::vector<Column> columns;  // means over scenes have neither frames nor rounds
+  for (const Column& column : kColumns)
+    if (std::ranges::any_of(scene.rows, [&](const ReportRow& row) { return !column.text(row).empty(); })) columns.push_back(column);
+  std::string html = "<div class=\"panel\"><table class=\"sorted\"><thead><tr><th>setting</th>";
+  for (const Column& column : columns) html += fmt::format("<th>{}</th>", column.title);
+  html += "</tr></thead><tbody>\n";
   for (std::size_t i = 0; i < scene.rows.size(); ++i) {
-    const ReportRow& row = scene.rows[i];
-    const ReportErrors& e = row.errors;
-    html += fmt::format("<tr data-row=\"{}\"{}><td>{}</td><td>{:.4f}</td>{}<td>{:+.4f}</td><td>{:.4f}</td><td>{:.3f}</td><td>{:.3f}</td>",
-                        i, front.contains(i) ? " class=\"front-row\"" : "", escapedHtml(row.setting), e.rmse, viewErrors(row), e.bias,
-                        e.mae, e.p95, e.p99);
-    html += fmt::format("<td>{:.3f}</td><td>{:.4f}</td><td>{}</td><td>{:.1f}</td><td>{:.1f}</td><td>{:.1f}</td><td>{:.1f}</td><td>{}</td>",
-                        e.ssim, e.flip, e.flicker < 0.0 ? "" : fmt::format("{:.4f}", e.flicker), row.frame.median, row.frame.noise,
-                        row.still.median, row.still.noise, row.still.rounds);
-    html += fmt::format("<td>{}</td><td>{}</td></tr>\n", megabytes(row.gpuBytes), megabytes(row.assetBytes));
+    html += fmt::format("<tr data-row=\"{}\"{}><td>{}</td>", i, front.contains(i) ? " class=\"front-row\"" : "",
+                        escapedHtml(scene.rows[i].setting));
+    for (const Column& column : columns) html += fmt::format("<td>{}</td>", column.text(scene.rows[i]));
+    html += "</tr>\n";
   }
   return html +
          "</tbody></table><p class=\"quiet\">Bold: on the front of error against time while everything moves. Click a column to sort by "
@@ -89,11 +111,10 @@ std::string passesTable(const ReportScene& scene) {
 std::string stepsPanel(const ReportScene& scene) {
   return fmt::format(
       "<div class=\"panel\"><h3>Where the error comes from</h3>{}<p class=\"quiet\">Signed shares of the mean square error of the last "
-      "frame; "
-      "they sum to 100 %. Representation: 64 rays through the volume at 256^3 against the reference (what rays are off by is in it). "
+      "frame; they sum to 100 %. Representation: 64 rays through the volume at 256^3 against the reference (what rays are off by is in "
+      "it). "
       "Composite: the same rays at the setting's resolution. Estimator: the setting, its taps reading the volume itself. Prefilter: its "
-      "taps "
-      "reading the pyramid; what reads none has none of it. Left of 0: the step makes good what others spoil.</p></div>\n",
+      "taps reading the pyramid; what reads none has none of it. Left of 0: the step makes good what others spoil.</p></div>\n",
       stepsChart(scene));
 }
 
@@ -113,8 +134,8 @@ std::string viewer(const ReportScene& scene, const std::string& reference) {
     options +=
         fmt::format("<option value=\"{}\"{}>{}</option>", i, i == shownFirst(scene) ? " selected" : "", escapedHtml(scene.rows[i].setting));
   return fmt::format(
-      "<div class=\"panel\"><h3>Sky visibility of the last frame <select>{}</select></h3><p class=\"chosen-text\"></p><div "
-      "class=\"viewer\">"
+      "<div class=\"panel\"><h3>Sky visibility of the last frame <select>{}</select></h3><p class=\"chosen-text\"></p>"
+      "<div class=\"viewer\">"
       "<figure><img alt=\"the setting\"><figcaption>the setting</figcaption></figure>"
       "<figure><img src=\"{}\" alt=\"the reference\"><figcaption>the reference: rays</figcaption></figure>"
       "<figure><canvas></canvas><div class=\"scale\"></div><figcaption>setting minus reference: blue {} too dark or more, red as much too "
