@@ -11,6 +11,7 @@
 #include <glm/geometric.hpp>
 
 #include "formats/aperture.h"
+#include "formats/aperture_map.h"
 #include "runtime/passes/shade/rest.h"
 #include "runtime/passes/shade/sky_points_pass.h"
 #include "runtime/rest_fit.h"
@@ -212,6 +213,74 @@ TEST_F(Rest, NeighboursOfTheBakeAreNotTakenTwice) {
     for (const double x : {0.0, 0.15, 0.2}) EXPECT_NEAR(skyAt({x, 0.0, -0.3}, 0.0), 0.4f, 1e-3f) << estimator << " at " << x;
     close();
   }
+}
+
+/// What the map of giveMap says at x.
+float mapped(double x) {
+  return static_cast<float>(0.6 + 0.2 * std::sin(2.0 * x));
+}
+
+/// The floor's apertures as a map in place of vertices: an open cap everywhere, ambient visibility as in mapped(), and word that it errs by
+/// `error` between texels.
+void giveMap(Mesh& floor, const fs::path& folder, double error) {
+  constexpr int kSide = 64;
+  ApertureMap map{{kSide, kSide}, {std::vector<ApertureTexel>(kSide * kSide)}, 1};
+  for (int i = 0; i < kSide * kSide; ++i)
+    map.levels[0][static_cast<std::size_t>(i)] = {
+        {{0, 1, 0}, shared::kApertureWidest}, mapped((i % kSide + 0.5) * 4.0 / kSide - 2.0), 1.0f};
+  buildLevels(map);
+  ApertureLink link;
+  link.uri = "floor.exr";
+  link.bytes = writeApertureMap(folder / link.uri, map).value();
+  link.contentHash = contentHash(readFile(folder / link.uri).value());
+  link.sceneOccludes = true;
+  link.radiusError = link.directionError = 0.0;
+  link.ambientError = error;
+  floor.visibility.reset();
+  floor.apertureBake.reset();
+  for (const glm::dvec3& p : floor.positions) floor.textureCoordinates.emplace_back((p.x + 2.0) / 4.0, (p.z + 2.0) / 4.0);
+  floor.apertureMap = link;
+}
+
+TEST_F(Rest, MapsLoseWhatTheBallTakesAndNothingElse) {
+  const glm::dvec3 ball(0.0, 0.8, 0.0);
+  Scene made = make(ball, 1.0f, false);
+  giveMap(made.meshes[0], temporaryFolder(), 0.005);
+  openScene(made, "hybrid-traced");
+  EXPECT_TRUE(renderer.rest && renderer.rest->volume) << "texels are fine: what rests is looked up as finely";
+  double squares = 0.0;
+  int count = 0;
+  for (double x = -1.6; x < 1.65; x += 0.2, ++count) {
+    const glm::dvec3 point(x, 0.0, 0.55);
+    squares += std::pow(static_cast<double>(skyAt(point, 0.0)) - mapped(x) * (1.0 - takenByBall(ball, point)), 2.0);
+  }
+  EXPECT_LT(std::sqrt(squares / count), 0.03);
+  for (const glm::dvec3 point : {glm::dvec3(-0.8, 0.0, 0.9), {0.0, 0.0, 0.55}, {0.8, 0.0, 0.3}})
+    EXPECT_NEAR(skyAt(point, 1.0 - 1e-9), mapped(point.x) * (1.0 - takenByBall({0.0, 3.8, 0.0}, point)), 0.012) << "3 m up";
+}
+
+TEST_F(Rest, MapsThatKnowTheirNeighboursKeepTheirWord) {
+  // As NeighboursOfTheBakeAreNotTakenTwice; then nothing moves, then the map says of itself that it misses contact shadows.
+  Scene made = make({80.0, 4.0, 0.0}, 1.0f, true);
+  giveMap(made.meshes[0], temporaryFolder(), 0.005);
+  made.lighting->globalVolume.bounds = Box{{-2.0, -0.5, -2.0}, {2.0, 1.5, 2.0}};
+  for (const char* estimator : {"hybrid", "hybrid-traced"}) {
+    openScene(made, estimator);
+    for (const double x : {0.0, 0.15, 0.2}) EXPECT_NEAR(skyAt({x, 0.0, -0.3}, 0.0), mapped(x), 0.012) << estimator << " at " << x;
+    close();
+  }
+  made.animations.clear();
+  openScene(made, "hybrid-traced");
+  EXPECT_FALSE(canChange(scene));
+  EXPECT_FALSE(renderer.rest);
+  EXPECT_NEAR(skyAt({0.15, 0.0, -0.3}, 0.0), mapped(0.15), 0.012);
+  close();
+  made.meshes[0].apertureMap->ambientError = 0.3;
+  openScene(made, "hybrid-traced");
+  ASSERT_TRUE(renderer.rest);
+  EXPECT_FALSE(renderer.rest->volume);
+  EXPECT_LT(skyAt({0.2, 0.0, -0.3}, 0.0), mapped(0.2) - 0.1f) << "the estimator sees the box that the map hardly knows of";
+  EXPECT_NEAR(skyAt({-1.5, 0.0, 1.5}, 0.0), 1.0f, 0.05f) << "and nothing far from it";
 }
 
 TEST_F(Rest, WhatCannotChangeIsNotLookedAt) {
