@@ -269,6 +269,43 @@ TEST_F(Shade, TracedRaysAreStoppedByThinSheets) {
   EXPECT_GT(byThin, 0.8 * byThick) << "0.6 voxels hold back what 24 do, but for cones along them: " << byThin << " of " << byThick;
 }
 
+TEST_F(Shade, TracedRaysFindNoWayOutOfAClosedRoom) {
+  // Along the crease of floor and wall rays creep, in more steps than they have.
+  const auto room = [](const glm::dvec3& p) {
+    const glm::dvec3 half(28.0, 14.0, 28.0), away = half - glm::abs(p - glm::dvec3(32.0, kGround + half.y, 32.0));
+    return std::min({away.x, away.y, away.z});
+  };
+  Setting setting;
+  setting.left = 3.0;  // beyond the wall, whose face is at 4
+  setting.right = 11.0;
+  setting.estimator = named("traced");
+  const auto floor = [](double x, double z) { return Surface{x > 4.0 && z > 4.0 ? kGround : 0.0, {0.0f, 1.0f, 0.0f}}; };
+  const std::vector<Pixel> pixels = shade(test::groundCube(room), floor, setting);
+  for (std::size_t n = 0; n < pixels.size(); ++n) {
+    const glm::dvec2 at = test::column(n, setting);
+    if (at.x <= 4.0 || at.y <= 4.0) continue;
+    EXPECT_EQ(pixels[n].sky, 0.0f) << at.x << " " << at.y;
+  }
+}
+
+TEST(ShadeFormulas, RaysPassThroughBallsAndNoFurther) {
+  // Against small steps along the ray: what is clear ends where they leave the ball, or where it ended before if that is outside.
+  std::mt19937 random(5);
+  std::uniform_real_distribution<double> chance(0.0, 1.0);
+  int passed = 0;
+  for (int n = 0; n < 500; ++n) {
+    const double height = std::exp2(1.0 + 4.0 * chance(random)), radius = 1.5 * height * chance(random), rise = chance(random);
+    const double start = 2.0 * height * chance(random);
+    const auto inside = [&](double t) { return std::hypot(t * std::sqrt(1.0 - rise * rise), t * rise - height) < radius; };
+    double expected = start;
+    while (inside(expected)) expected += 1e-3 * height;
+    passed += expected > start;
+    const auto at = [](double value) { return static_cast<float>(value); };
+    EXPECT_NEAR(shared::throughBall(at(start), at(rise), at(height), at(radius)), expected, 2e-3 * height) << start << " " << rise;
+  }
+  EXPECT_GT(passed, 100);
+}
+
 TEST_F(Shade, TracedRaysLeaveOpenGroundOpen) {
   Setting setting;
   setting.estimator = named("traced");

@@ -40,7 +40,7 @@ OVERCAST_INLINE int widePatternPlace(ivec2 pixel) {
 
 /// How much of its light a pixel takes from the wider window where what its rays meet is `away` pixels away (the harmonic mean), 0 to 1.
 OVERCAST_INLINE float wideShare(float away) {
-  return clamp(away / 16.0f - 1.0f, 0.0f, 1.0f);
+  return clamp(away / 24.0f - 1.0f, 0.0f, 1.0f);
 }
 
 /// Weight of a neighbour by where it is in the window.

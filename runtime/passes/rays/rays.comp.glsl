@@ -17,7 +17,7 @@ float clearRay(vec3 from, vec3 direction) {
     if (phi < rayHit(t)) return 0.0f;
     t += max(phi, kRayShortest);
   }
-  return 1.0f;
+  return t < reach ? 0.0f : 1.0f;
 }
 
 void main() {

@@ -22,7 +22,8 @@ struct RaysPush {
 const float kRayStart = 0.5f;
 /// And have hit where the field is below this: thin sheets do not read zero between two samples.
 const float kRayHit = 0.25f;
-/// Steps at most. The lowest of 64 rays rises 0.09 per voxel: over open ground it leaves a volume of 256 voxels after 65.
+/// Steps at most. The lowest of 64 rays rises 0.09 per voxel: over open ground it leaves a volume of 256 voxels after 65. A ray that is
+/// still there after all has hit: it creeps along a crease.
 const int kRaySteps = 96;
 const float kRayShortest = 0.25f;  ///< voxels a step takes at least
 

@@ -18,7 +18,7 @@
 // `cones`: C = (mean over cones of min_i clamp(phi(P + d_i c) / (d_i s) + b, 0, 1))^q, all taps of level 0.
 // `traced`: the share of rays that leave the volume (rays.h), so many in each pixel: neighbours take turns with sixty-four sets, and the
 // denoise pass (denoise.h), widened, gives each pixel the mean of all. Nearer than a voxel what stands at a point cannot be told from its
-// own surface: rays first look there.
+// own surface: rays first look there. One that has not left after kRaySteps has met something: it creeps along a crease.
 //
 // `hybrid`, `hybrid-cones`, `hybrid-traced`: baked apertures, corrected by what `calibrated`, `cones` or `traced` says has changed since
 // the bake (rest.h). Scenes without apertures get that estimator alone.
@@ -109,6 +109,23 @@ OVERCAST_INLINE float coneOpenness(float phi, float d, vec4 cone) {
 }
 
 const float kTraceFirst = 1.0f;  ///< voxels along a traced ray to where it first looks
+/// Balls about points over a pixel, as large as the field there says that nothing is in them: its rays pass through them without looking.
+const int kBalls = 3;
+
+/// Height of the middle of ball `i` above the point that rays start from, voxels: each reaches into the next where the surface is open.
+OVERCAST_INLINE float ballHeight(int i) {
+  return exp2(float(2 * i + 1));
+}
+
+/// How far along a ray is clear that is clear up to `t`: to where it leaves the ball of `radius` about a point `height` above its start, if
+/// it is in there at `t`. `rise`: what the ray rises per unit.
+OVERCAST_INLINE float throughBall(float t, float rise, float height, float radius) {
+  float middle = height * rise;
+  float squared = radius * radius - height * height + middle * middle;
+  if (squared <= 0.0f) return t;
+  float reach = sqrt(squared);
+  return t < middle - reach ? t : max(t, middle + reach);
+}
 
 /// Direction of ray `ray` of `count` about +z at `place` of the wide pattern (0 to 63), unit length, z > 0.
 OVERCAST_INLINE vec3 tracedDirection(int ray, int count, int place) {

@@ -75,11 +75,21 @@ float sharpField(vec3 at) {
   return textureLod(level0, at, 0.0f).r;
 }
 
-// How many voxels away a ray meets a surface; 0: it leaves the volume.
-float meets(vec3 from, vec3 direction) {
-  vec3 size = vec3(textureSize(level0, 0));
+// Radii of the balls over `from`, which no hit is in, 0 of those that are not in the volume.
+float[kBalls] ballsOver(vec3 from, vec3 normal, vec3 size) {
+  float radii[kBalls];
+  for (int i = 0; i < kBalls; ++i) {
+    vec3 middle = from + ballHeight(i) * normal;
+    radii[i] = clamp(middle, vec3(0.0f), size) == middle ? max(sharpField(middle / size) - kRayHit, 0.0f) : 0.0f;
+  }
+  return radii;
+}
+
+// How many voxels away a ray meets a surface that rises so much per voxel; 0: it leaves the volume.
+float meets(vec3 from, vec3 direction, float rise, float balls[kBalls], vec3 size) {
   float end = reachInVolume(from, direction, size);
   float t = max(kTraceFirst, wayToVolume(from, direction, size));
+  for (int i = 0; i < kBalls; ++i) t = throughBall(t, rise, ballHeight(i), balls[i]);
   vec3 start = from / size;
   vec3 way = direction / size;
   for (int i = 0; i < kRaySteps && t < end; ++i) {
@@ -87,16 +97,19 @@ float meets(vec3 from, vec3 direction) {
     if (phi < rayHit(t)) return t;
     t += max(phi, kRayShortest);
   }
-  return 0.0f;
+  return t < end ? t : 0.0f;
 }
 
 // Visibility by the rays of one place of the wide pattern (denoise.h), and the mean of one over how many voxels away they meet something.
 vec2 visibilityOfPlace(vec3 p, vec3 normal, int place) {
   mat3 frame = frameAbout(normal);
+  vec3 size = vec3(textureSize(level0, 0));
   vec3 from = p + kRayStart * normal;
+  float balls[kBalls] = ballsOver(from, normal, size);
   vec2 sum = vec2(0.0f);
   for (int ray = 0; ray < OVERCAST_TRACED; ++ray) {
-    float t = meets(from, frame * tracedDirection(ray, OVERCAST_TRACED, place));
+    vec3 direction = tracedDirection(ray, OVERCAST_TRACED, place);
+    float t = meets(from, frame * direction, direction.z, balls, size);
     sum += t > 0.0f ? vec2(0.0f, 1.0f / t) : vec2(1.0f, 0.0f);
   }
   return sum / float(OVERCAST_TRACED);
