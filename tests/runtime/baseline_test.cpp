@@ -222,8 +222,8 @@ TEST(DenoiseFormulas, FourWidenedWindowsHoldEachPlaceOfTheWidePatternOnce) {
         }
     for (const float sum : sums) EXPECT_EQ(sum, 1.0f);
   }
-  EXPECT_EQ(shared::wideShare(16.0f), 0.0f) << "what stands near";
-  EXPECT_EQ(shared::wideShare(32.0f), 1.0f);
+  EXPECT_EQ(shared::wideShare(24.0f), 0.0f) << "what stands near";
+  EXPECT_EQ(shared::wideShare(48.0f), 1.0f);
 }
 
 TEST(DenoiseFormulas, NeighboursCountInThePixelsPlaneOnly) {
