@@ -135,24 +135,32 @@ bool isFree(const Traced& traced, const Hit& hit, const glm::dvec3& direction, d
 /// A light as seen from a point.
 struct SeenLight {
   glm::dvec3 axis{0.0};
-  double height = 0.0;  ///< 1 minus the cosine of its cap's radius
-  double far = 1e30;    ///< to its surface
+  double height = 0.0;    ///< 1 minus the cosine of its cap's radius
+  double distance = 0.0;  ///< to its middle; 0: the sun
+  double radius = 0.0;
   glm::dvec3 radiance{0.0};
 };
+
+/// How far its surface is in a direction of its cap.
+double farOf(const SeenLight& light, const glm::dvec3& direction) {
+  if (light.distance == 0.0) return 1e30;
+  const double along = light.distance * glm::dot(direction, light.axis);
+  return along - std::sqrt(std::max(along * along - light.distance * light.distance + light.radius * light.radius, 0.0));
+}
 
 std::vector<SeenLight> lightsFrom(const Lighting& lighting, const std::vector<glm::dmat4>& nodes, const glm::dvec3& point) {
   std::vector<SeenLight> seen;
   const auto heightOf = [](double radius) { return 2.0 * std::pow(std::sin(0.5 * radius), 2.0); };
   if (lighting.sun) {
     const double height = heightOf(static_cast<double>(lighting.sun->angularRadius));
-    seen.push_back({glm::dvec3(lighting.sun->direction), height, 1e30, glm::dvec3(lighting.sun->colour) / (2.0 * kPi * height)});
+    seen.push_back({glm::dvec3(lighting.sun->direction), height, 0.0, 0.0, glm::dvec3(lighting.sun->colour) / (2.0 * kPi * height)});
   }
   for (const AreaLight& light : lighting.areaLights) {
     glm::dvec3 place(light.position);
     if (light.node >= 0) place = glm::dvec3(nodes[static_cast<std::size_t>(light.node)] * glm::dvec4(place, 1.0));
     const double distance = glm::length(place - point), radius = static_cast<double>(light.radius);
     if (distance <= radius) continue;
-    seen.push_back({(place - point) / distance, heightOf(std::asin(radius / distance)), distance - radius, glm::dvec3(light.colour)});
+    seen.push_back({(place - point) / distance, heightOf(std::asin(radius / distance)), distance, radius, glm::dvec3(light.colour)});
   }
   return seen;
 }
@@ -174,9 +182,9 @@ glm::dvec3 capPoint(const Frame& frame, double height, int i, int n, double turn
 
 RayTracedPixel shade(const Traced& traced, const Hit& hit, const Lighting& lighting, const SkyHarmonics& sky,
                      const std::vector<glm::dmat4>& nodes, double turn, const RayTracedSettings& settings) {
-  RayTracedPixel pixel;
-  pixel.surface = true;
   const std::vector<SeenLight> lights = lightsFrom(lighting, nodes, hit.position + traced.centre);
+  RayTracedPixel pixel;
+  pixel.surface = lights.size() == lighting.areaLights.size() + (lighting.sun ? 1 : 0);
   glm::dvec3 received(0.0);
   for (const SeenLight& light : lights) {
     const Frame frame = frameAbout(light.axis);
@@ -184,7 +192,7 @@ RayTracedPixel shade(const Traced& traced, const Hit& hit, const Lighting& light
     for (int i = 0; i < settings.lightRays; ++i) {
       const glm::dvec3 direction = capPoint(frame, light.height, i, settings.lightRays, turn);
       const double cosine = glm::dot(direction, hit.normal);
-      if (cosine > 0.0 && isFree(traced, hit, direction, light.far)) sum += cosine;
+      if (cosine > 0.0 && isFree(traced, hit, direction, farOf(light, direction))) sum += cosine;
     }
     received += light.radiance * (2.0 * light.height * sum / settings.lightRays);
   }

@@ -14,7 +14,7 @@
 namespace overcast::bench {
 
 struct RayTracedPixel {
-  bool surface = false;
+  bool surface = false;    ///< of an object, and not within a lamp, which would hide it
   glm::vec3 lights{0.0f};  ///< linear radiance by sun and spheres
   glm::vec3 sky{0.0f};     ///< by the sky that no light covers
   double visible = 0.0;    ///< cosine-weighted share of the hemisphere that nothing blocks and no light covers

@@ -106,6 +106,20 @@ TEST(ApertureFormulas, PackingAgreesWithTheFormats) {
   EXPECT_LT(worst, 1e-4);
 }
 
+TEST(ApertureFormulas, LampsInFullViewGiveTheirSineSquared) {
+  // Lambert: a cap of radius r at height h over the horizon, all of it above, has the form factor sin^2(r) cos(h), however near the lamp.
+  const glm::vec3 normal(0, 1, 0);
+  const glm::vec4 open(normal, shared::kApertureWidest);
+  for (const double radius : {0.01, 0.3, 0.8, 1.2})
+    for (double tilt = 0.0; tilt + radius < 0.5 * kPi; tilt += 0.1) {
+      const double expected = kPi * std::pow(std::sin(radius), 2.0) * std::cos(tilt);
+      for (const int mode : {shared::kApertureExact, shared::kApertureFast, shared::kApertureAccurate}) {
+        const auto share = shared::apertureShare(mode, normal, open, {tilted(tilt, 1.1), static_cast<float>(radius)});
+        EXPECT_NEAR(share.cosine / expected, 1.0, 2e-3) << "mode " << mode << ", radius " << radius << ", tilt " << tilt;
+      }
+    }
+}
+
 TEST(ApertureFormulas, SkyFillsWhatLightsLeave) {
   EXPECT_EQ(shared::skyShare(1.0f, 0.0f), 1.0f);
   EXPECT_NEAR(shared::skyShare(1.0f, 0.25f * shared::capArea(1.0f)), 0.75f, 1e-6f);

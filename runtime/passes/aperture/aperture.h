@@ -21,7 +21,7 @@ OVERCAST_SHARED_BEGIN
 const int kMaxApertureLights = 17;  ///< the sun and 16 spherical lights
 
 /// How light and aperture are intersected (FrameSettings::apertureMode).
-const int kApertureExact = 0;       ///< exact area, cosine at the estimated centroid
+const int kApertureExact = 0;       ///< exact area, cosine at the estimated centroid, which is that of a cap of this area
 const int kApertureSmoothstep = 1;  ///< as published: smoothstep, cosine at the mean of both axes
 const int kApertureFast = 2;        ///< our approximation of the area, cosine at the estimated centroid
 const int kApertureAccurate = 3;    ///< the integral of the cosine over the intersection
@@ -103,7 +103,9 @@ OVERCAST_INLINE ApertureShare apertureShare(int mode, vec3 normal, vec4 aperture
   if (mode == kApertureAccurate) {
     share.cosine = capIntersectionCosine(normal, axis, aperture.w, way, light.w, d, share.area);
   } else {
-    share.cosine = share.area * max(dot(normal, share.centre), 0.0f);
+    // The mean of a cap's directions is shorter than one by its share of the sphere.
+    float length = 1.0f - share.area / (4.0f * kCapPi);
+    share.cosine = share.area * length * max(dot(normal, share.centre), 0.0f);
   }
   return share;
 }
