@@ -43,9 +43,10 @@ struct SkyStep {
 };
 inline constexpr std::size_t kMostSkySteps = 8;
 
-/// Constants of a sky estimator (DESIGN 5.4). They mean the same at any resolution of the global volume and at any scale of the scene.
+/// A sky estimator and its constants (DESIGN 5.4), of which `traced` reads none but the directions of its cones. They mean the same at any
+/// resolution of the global volume and at any scale of the scene.
 struct Estimator {
-  std::string name = "published";  ///< one of kEstimators (runtime/passes/shade/sky_estimator.h)
+  std::string name = "traced";  ///< one of kEstimators (runtime/passes/shade/sky_estimator.h); taps alone do not reach the walls of a room
   int taps = 5;    ///< 1 to 8, at 128 voxels along the longest side; of `published` at 1, 2, 4, ... voxels, and one more per doubling
   float k = 1.5f;  ///< at least 0: darkening; a point that all taps find shut gets about exp(-k (1 + alpha)), open ground 1
   float skyWeight = 0.5f;  ///< alpha in N' = N + alpha U, 0 to 1 (Evans 2006, 9.6); an open wall gets 1/2 where k alpha = 0.75

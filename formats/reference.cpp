@@ -149,6 +149,7 @@ std::string lightText(const Scene& scene) {
   Lighting lighting = scene.lighting.value_or(Lighting{});
   lighting.globalVolume = {};
   lighting.estimator = {};
+  lighting.estimator.name = "published";  // the default when the first references were traced: they stay good
   lighting.exposure = Lighting{}.exposure;
   return lightingJson(lighting);
 }

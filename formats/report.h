@@ -56,7 +56,7 @@ struct ReportRow {
   std::string technique;     ///< as --technique names it
   std::string estimator;     ///< of technique overcast; else empty
   int resolution = 0;        ///< voxels along the longest side of the global volume; 0: needs none
-  int taps = 0;              ///< of an estimator; else 0
+  int taps = 0;              ///< of an estimator that reads some; else 0
   int cones = 0;             ///< of an estimator that has some and of which the setting says how many; else 0
   std::string apertureMode;  ///< where the scene has apertures and the setting reads them; else empty
   std::string occluders;     ///< how the scene was baked: precision and size of its local occluders

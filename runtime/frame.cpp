@@ -54,16 +54,12 @@ void destroyTargets(const Device& device, FrameTargets& targets) {
   destroyGeometryImages(device, targets.images);
 }
 
-/// The estimator asked for. Apertures are corrected by the best there is where nobody names another hybrid.
+/// The estimator asked for.
 Estimator estimatorOf(const Lighting& lighting, const FrameSettings& settings, bool apertures) {
-  Estimator estimator = lighting.estimator;
-  std::string name = settings.estimator.value_or(estimator.name);
-  if (apertures && !isHybrid(name)) name = kBestHybrid;
-  if (name != estimator.name) {
-    estimator = Estimator{};
-    estimator.name = name;
-    estimator.taps = lighting.estimator.taps;
-  }
+  const std::string_view wanted = settings.estimator ? *settings.estimator : lighting.estimator.name;
+  std::string_view name = usedEstimator(wanted, apertures);
+  if (settings.taps && !settings.estimator && !readsTaps(name)) name = tapsEstimator(apertures);
+  Estimator estimator = withName(lighting.estimator, name);
   return settings.taps ? withTaps(std::move(estimator), *settings.taps) : estimator;
 }
 

@@ -37,12 +37,12 @@ struct FrameSettings {
   int height = 720;
   int supersample = 1;            ///< samples per pixel along a side, 1 to 8, box-filtered in linear light before tone mapping
   std::optional<int> resolution;  ///< voxels along the longest side of the global volume; else the scene's
-  std::optional<int> taps;        ///< of the estimator; else the scene's
+  std::optional<int> taps;        ///< of `estimator`, or of the scene's, tapsEstimator where that reads none; else the scene's
   ApertureMode apertureMode = ApertureMode::accurate;
   std::optional<Daylight> daylight;  ///< else sun and sky stay as the scene has them
   TechniqueSettings technique;
-  /// One of kEstimators; else the scene's, or kBestHybrid where it has apertures and names no hybrid. One that is no hybrid leaves out the
-  /// scene's apertures, and with them sun and lamps.
+  /// One of kEstimators; else the scene's, as usedEstimator says. One that is no hybrid leaves out the scene's apertures, and with them sun
+  /// and lamps.
   std::optional<std::string> estimator = {};
   bool resample = true;     ///< radius fields and heightfields become volumes where there is room (runtime/resample.h)
   double levelError = 1.0;  ///< pixels by which meshes with levels of detail may be off (runtime/terrain_levels.h)

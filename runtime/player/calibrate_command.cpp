@@ -14,6 +14,7 @@
 #include "formats/extension_json.h"
 #include "formats/scene_lighting.h"
 #include "runtime/calibrate/calibrate.h"
+#include "runtime/passes/shade/sky_estimator.h"
 #include "runtime/player/command.h"
 #include "runtime/player/headless.h"
 #include "runtime/player/options.h"
@@ -53,7 +54,11 @@ void addOptions(CLI::App& app, Options& options) {
                  "folder of overcast-bake reference, views or points, or of one such folder for each scene (default: the folder reference "
                  "beside the first scene)");
   app.option_defaults()->multi_option_policy(CLI::MultiOptionPolicy::TakeLast);
-  app.add_option("--estimator", options.estimator, "published, calibrated, cones or hybrid (default: the scene's)");
+  app.add_option(
+      "--estimator", options.estimator,
+      fmt::format("published, calibrated, cones or hybrid (default: the scene's; where rays light it, which have no constants, {}, "
+                  "or {} over apertures)",
+                  tapsEstimator(false), tapsEstimator(true)));
   app.add_option("--taps", options.taps, "readings along a line (default: the scene's)")->check(CLI::Range(1, shared::kMaxTaps));
   app.add_option("--points", options.points, "of each scene that are fitted to, at most")
       ->check(CLI::Range(std::size_t{100}, std::size_t{1000000}))
@@ -73,15 +78,13 @@ void checkTogether(Options& options) {
 }
 
 /// The constants that the scene has for the estimator that is asked for, or the program's.
-Result<Estimator> presentOf(const Options& options, const fs::path& scene, const Lighting& lighting) {
-  Estimator present = lighting.estimator;
-  if (!options.estimator.empty() && options.estimator != present.name) {
-    present = Estimator{};
-    present.name = options.estimator;
-    present.taps = lighting.estimator.taps;
-  }
+Result<Estimator> presentOf(const Options& options, const fs::path& path, const RuntimeScene& scene) {
+  const bool apertures = hasApertures(scene);
+  const Estimator& own = scene.lighting.estimator;
+  const std::string_view used = usedEstimator(own.name, apertures);
+  Estimator present = withName(own, !options.estimator.empty() ? options.estimator : readsTaps(used) ? used : tapsEstimator(apertures));
   if (!canCalibrate(present.name))
-    return Error{scene.string(), "", fmt::format("its estimator, {}, has no constants to fit: say which with --estimator", present.name)};
+    return Error{path.string(), "", fmt::format("its estimator, {}, has no constants to fit: say which with --estimator", present.name)};
   if (options.taps > 0) present = withTaps(std::move(present), options.taps);
   return withOwnConstants(std::move(present));
 }
@@ -92,7 +95,7 @@ Estimator startOf(const Estimator& present) {
   start.name = present.name;
   start.taps = present.taps;
   start = withOwnConstants(std::move(start));
-  if (present.cones) start.cones->directions = present.cones->directions;
+  if (present.cones && start.cones) start.cones->directions = present.cones->directions;
   return start;
 }
 
@@ -110,7 +113,7 @@ std::optional<Failure> addScene(const Device& device, const Options& options, co
   const bool first = job.samples.skyWeights.empty();
   const auto add = [&]() -> std::optional<Failure> {
     if (first) {
-      const auto present = presentOf(options, path, scene.lighting);
+      const auto present = presentOf(options, path, scene);
       if (!present) return Failure{present.error(), ExitCode::unreadable};
       job.present = present.value();
       job.start = options.scenes.size() > 1 ? neutralStart(job.present, 1) : startOf(job.present);
@@ -178,6 +181,10 @@ std::string jsonOf(const Job& job, const Calibration& made, bool written) {
   return json.dump(1) + "\n";
 }
 
+std::string writtenText(const std::string& before, const std::string& after) {
+  return "written into the scene" + (before == after ? "" : fmt::format(", whose estimator it is now in place of {}", before)) + "\n";
+}
+
 /// The best of fits from several starts.
 Calibration fitCommon(const Job& job) {
   Estimator bestStart = job.start;
@@ -209,7 +216,7 @@ int finish(const Options& options, const Job& job) {
   }
   printResult(options.json ? jsonOf(job, made, writes) : textOf(job, made));
   if (!options.json)
-    printResult(writes        ? "written into the scene\n"
+    printResult(writes        ? writtenText(job.lighting.estimator.name, made.estimator.name)
                 : made.better ? "better than before; not written (--dry-run)\n"
                               : "no better than before on what was left out: the scene stays as it was\n");
   return static_cast<int>(ExitCode::ok);

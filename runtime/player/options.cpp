@@ -43,6 +43,8 @@ void check(const PlayerOptions& options) {
   if (options.width > most || options.height > most)
     throw CLI::ValidationError("--size", fmt::format("with --supersample {} a side is at most {}", options.supersample, most));
   if (options.resolution && *options.resolution % 8 != 0) throw CLI::ValidationError("--resolution", "is not a multiple of 8");
+  if (options.taps && options.estimator && !readsTaps(*options.estimator))
+    throw CLI::ValidationError("--taps", *options.estimator + " reads none");
 }
 
 const std::map<std::string, ApertureMode> kApertureModes{{"exact", ApertureMode::exact},
@@ -115,9 +117,15 @@ void addPlaying(CLI::App& app, PlayerOptions& options, Given& given) {
 void addShading(CLI::App& app, PlayerOptions& options, Given& given) {
   app.add_option("--resolution", given.resolution, "voxels along the longest side of the global volume (default: the scene's)")
       ->check(CLI::Range(32, 256));
-  app.add_option("--taps", given.taps, "taps of the sky estimator at 128 voxels (default: the scene's)")
+  app.add_option(
+         "--taps", given.taps,
+         fmt::format("taps of the sky estimator at 128 voxels (default: the scene's); without --estimator, of a scene that is lit by "
+                     "rays, which read none: of {}, or {} over apertures",
+                     tapsEstimator(false), tapsEstimator(true)))
       ->check(CLI::Range(1, shared::kMaxTaps));
-  app.add_option("--estimator", given.estimator, fmt::format("sky estimator: {} (default: the scene's)", fmt::join(kEstimators, ", ")))
+  app.add_option("--estimator", given.estimator,
+                 fmt::format("sky estimator: {} (default: the scene's, which is {} where nobody chose another, and {} over apertures)",
+                             fmt::join(kEstimators, ", "), Estimator{}.name, kBestHybrid))
       ->check(CLI::IsMember(std::vector<std::string>(kEstimators.begin(), kEstimators.end())))
       ->type_name("NAME");
   app.add_option("--aperture-mode", options.apertureMode,

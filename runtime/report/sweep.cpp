@@ -14,7 +14,7 @@ namespace {
 struct SweepRow {
   const char* estimator;
   int resolution;
-  int taps;
+  int taps;                           ///< as SweepSetting::taps
   int cones = 0;                      ///< as SweepSetting::cones
   bool apertures = false;             ///< needs them; the others are for scenes with and without
   SweepSize least = SweepSize::full;  ///< the smallest sweep that takes it
@@ -49,24 +49,24 @@ constexpr std::array kSweep{
     SweepRow{"cones", 128, 5, 13},
     SweepRow{"cones", 128, 8, 13},
     SweepRow{"cones", 256, 5},
-    SweepRow{"traced", 64, 1, 0, false, kVariant},
-    SweepRow{"traced", 128, 1, 4, false, kQuick},
-    SweepRow{"traced", 128, 1, 0, false, kVariant},
-    SweepRow{"traced", 128, 1, 16, false, kQuick},
-    SweepRow{"traced", 256, 1, 0, false, kQuick},
-    SweepRow{"traced", 32, 1},
-    SweepRow{"traced", 96, 1},
-    SweepRow{"traced", 128, 1, 1},
-    SweepRow{"traced", 128, 1, 2},
-    SweepRow{"traced", 128, 1, 32},
-    SweepRow{"traced", 128, 1, 64},
-    SweepRow{"traced", 192, 1},
+    SweepRow{"traced", 64, 0, 0, false, kVariant},
+    SweepRow{"traced", 128, 0, 4, false, kQuick},
+    SweepRow{"traced", 128, 0, 0, false, kVariant},
+    SweepRow{"traced", 128, 0, 16, false, kQuick},
+    SweepRow{"traced", 256, 0, 0, false, kQuick},
+    SweepRow{"traced", 32, 0},
+    SweepRow{"traced", 96, 0},
+    SweepRow{"traced", 128, 0, 1},
+    SweepRow{"traced", 128, 0, 2},
+    SweepRow{"traced", 128, 0, 32},
+    SweepRow{"traced", 128, 0, 64},
+    SweepRow{"traced", 192, 0},
     SweepRow{"hybrid", 64, 4, 0, kWithApertures, kQuick},
     SweepRow{"hybrid", 128, 4, 0, kWithApertures, kVariant},
     SweepRow{"hybrid", 256, 4, 0, kWithApertures, kQuick},
-    SweepRow{"hybrid-traced", 64, 1, 0, kWithApertures, kQuick},
-    SweepRow{"hybrid-traced", 128, 1, 0, kWithApertures, kVariant},
-    SweepRow{"hybrid-traced", 256, 1, 0, kWithApertures},
+    SweepRow{"hybrid-traced", 64, 0, 0, kWithApertures, kQuick},
+    SweepRow{"hybrid-traced", 128, 0, 0, kWithApertures, kVariant},
+    SweepRow{"hybrid-traced", 256, 0, 0, kWithApertures},
     SweepRow{"hybrid-cones", 128, 5, 0, kWithApertures},
     SweepRow{"hybrid", 32, 4, 0, kWithApertures},
     SweepRow{"hybrid", 96, 4, 0, kWithApertures},
@@ -95,13 +95,26 @@ std::string nameOf(const SweepSetting& setting) {
     return setting.resolution > 0 ? fmt::format("{}, {}^3", overcast::nameOf(setting.technique), setting.resolution)
                                   : overcast::nameOf(setting.technique);
   std::string name = setting.estimator;
-  const bool traced = setting.estimator.ends_with("traced");
-  if (setting.cones > 0) name += fmt::format(", {} {}", setting.cones, traced ? "rays" : "cones");
-  if (!traced) name += fmt::format(", {} taps", setting.taps);  // which steps where the field lets it
+  const bool taps = readsTaps(setting.estimator);
+  if (setting.cones > 0) name += fmt::format(", {} {}", setting.cones, taps ? "cones" : "rays");
+  if (taps) name += fmt::format(", {} taps", setting.taps);  // which steps where the field lets it
   name += fmt::format(", {}^3", setting.resolution);
   if (setting.apertures)
     name += setting.apertureMode == kBest ? ", apertures" : fmt::format(", apertures {}", nameOf(setting.apertureMode));
   return name;
+}
+
+/// What lights the scene while nobody asks for anything else.
+SweepSetting ownSetting(const Lighting& own, bool apertures) {
+  const std::string name(usedEstimator(own.estimator.name, apertures));
+  const Estimator estimator = withName(own.estimator, name);
+  const int usual = ownDirections(name), directions = estimator.cones && usual > 0 ? estimator.cones->directions : usual;
+  return {.estimator = name,
+          .taps = readsTaps(name) ? estimator.taps : 0,
+          .cones = directions == usual ? 0 : directions,
+          .resolution = own.globalVolume.resolution,
+          .apertures = apertures,
+          .storable = true};
 }
 
 void add(std::vector<SweepSetting>& settings, SweepSetting setting) {
@@ -128,13 +141,7 @@ const char* nameOf(ApertureMode mode) {
 
 std::vector<SweepSetting> sweepSettings(const Lighting& own, bool apertures, SweepSize size) {
   std::vector<SweepSetting> settings;
-  const Estimator& estimator = own.estimator;
-  add(settings, {.estimator = estimator.name,
-                 .taps = estimator.taps,
-                 .cones = estimator.cones ? estimator.cones->directions : 0,
-                 .resolution = own.globalVolume.resolution,
-                 .apertures = apertures,
-                 .storable = true});
+  add(settings, ownSetting(own, apertures));
   for (const SweepRow& row : kSweep) {
     if ((row.apertures && !apertures) || row.least > size) continue;
     add(settings, {.estimator = row.estimator,
@@ -163,15 +170,12 @@ Lighting lightingWith(const Lighting& own, const SweepSetting& setting) {
   Lighting lighting = own;
   if (setting.technique != Technique::overcast) return lighting;
   lighting.globalVolume.resolution = setting.resolution;
-  if (lighting.estimator.name != setting.estimator) {
-    lighting.estimator = Estimator{};
-    lighting.estimator.name = setting.estimator;
-  }
-  lighting.estimator = withTaps(std::move(lighting.estimator), setting.taps);
-  if (setting.cones > 0) {
-    if (!lighting.estimator.cones) lighting.estimator.cones.emplace();
-    lighting.estimator.cones->directions = setting.cones;
-  }
+  lighting.estimator = withName(std::move(lighting.estimator), setting.estimator);
+  if (setting.taps > 0) lighting.estimator = withTaps(std::move(lighting.estimator), setting.taps);
+  std::optional<SkyCones>& cones = lighting.estimator.cones;
+  if (setting.cones > 0 && !cones) cones.emplace();
+  const int directions = setting.cones > 0 ? setting.cones : ownDirections(setting.estimator);
+  if (cones && directions > 0) cones->directions = directions;
   return lighting;
 }
 

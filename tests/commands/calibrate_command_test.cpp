@@ -24,8 +24,8 @@ class CalibrateCommand : public PlayerFixture {
     return json::parse(file);
   }
   /// RMSE of the sky of the first frame against its reference.
-  double errorOfFrame() const {
-    EXPECT_EQ(play("baked/sphere_on_plane.gltf --headless --size 64x36 --supersample 1 -o picture.exr").exitCode, 0);
+  double errorOfFrame(const std::string& options = "") const {
+    EXPECT_EQ(play("baked/sphere_on_plane.gltf --headless --size 64x36 --supersample 1 -o picture.exr" + options).exitCode, 0);
     const ShellResult measured = play("measure picture.exr baked/reference/view0_0000.exr --channels sky --json");
     EXPECT_EQ(measured.exitCode, 0) << measured.output;
     return json::parse(measured.output).at("frames").at(0).at("rmse");
@@ -39,8 +39,8 @@ TEST_F(CalibrateCommand, FitsAndWritesTheSceneAndNothingElseInIt) {
                 .exitCode,
             0);
   const json plainScene = sceneJson();
-  const double before = errorOfFrame();
-  const std::string command = "calibrate baked/sphere_on_plane.gltf --taps 4 --points 3000";
+  const double before = errorOfFrame(" --estimator published --taps 4");
+  const std::string scene = "calibrate baked/sphere_on_plane.gltf --taps 4", command = scene + " --points 3000 --estimator published";
 
   const ShellResult dry = play(command + " --dry-run");
   ASSERT_EQ(dry.exitCode, 0) << dry.output;
@@ -48,6 +48,10 @@ TEST_F(CalibrateCommand, FitsAndWritesTheSceneAndNothingElseInIt) {
   EXPECT_THAT(dry.output, HasSubstr(" points of 2 frames and "));
   EXPECT_THAT(dry.output, HasSubstr("not written (--dry-run)"));
   EXPECT_EQ(sceneJson(), plainScene);
+
+  const ShellResult unnamed = play(scene + " --points 100 --dry-run");
+  ASSERT_EQ(unnamed.exitCode, 0) << unnamed.output;
+  EXPECT_THAT(unnamed.output, HasSubstr("calibrated, 4 taps: ")) << "traced, the scene's, has no constants";
 
   const ShellResult result = play(command + " --json");
   ASSERT_EQ(result.exitCode, 0) << result.output;

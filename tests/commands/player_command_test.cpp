@@ -107,7 +107,7 @@ TEST_F(PlayerCommand, PrintsOneJsonObjectOnStdout) {
   EXPECT_EQ(json["frames"], nlohmann::json({0, 5}));
   EXPECT_EQ(json["device"]["kind"], "CPU");
   EXPECT_GT(json["triangles"], 0);
-  ASSERT_EQ(json["passes"].size(), 6u) << "five passes and the frame";
+  ASSERT_EQ(json["passes"].size(), 7u) << "six passes and the frame";
   for (const auto& pass : json["passes"]) {
     EXPECT_EQ(pass["frames"].get<int>() + pass["skipped"].get<int>(), 5) << "the warm-up is left out";
     EXPECT_GE(pass["p95_ms"].get<double>(), pass["median_ms"].get<double>());
@@ -144,6 +144,7 @@ TEST_F(PlayerCommand, EndsUsageErrorsWithTwo) {
                                 "scene.gltf --headless --camera 1,2,3,1,2,3",
                                 "scene.gltf --headless --camera 1,2,3,4,5,nan",
                                 "scene.gltf --headless --taps 0",
+                                "scene.gltf --headless --taps 4 --estimator traced",
                                 "scene.gltf --headless --aperture-mode none",
                                 "scene.gltf --headless --time-of-day 25",
                                 "scene.gltf --headless --hours-per-second 1",

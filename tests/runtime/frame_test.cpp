@@ -40,7 +40,7 @@ TEST_F(Frames, SkipCompositeAndPyramidWhileNothingMoves) {
     return list;
   };
   open(writeBakedScene(temporaryFolder(), {.animated = true}), settings);
-  const std::vector<bool> all(5, false), still{true, true, false, false, false};
+  const std::vector<bool> all(6, false), still{true, true, false, false, false, false};  // geometry, shade, denoise and tonemap run
   EXPECT_EQ(skipped(render(0.0)), all);
   EXPECT_EQ(skipped(render(0.0)), still);
   EXPECT_EQ(skipped(render(0.2)), all);
@@ -69,6 +69,7 @@ TEST_F(Frames, MakeTheSameOfABorrowedVolume) {
 
 TEST_F(Frames, ReadTheVolumeItselfWithoutAPrefilter) {
   const fs::path file = writeBakedScene(temporaryFolder());
+  settings.estimator = "calibrated";
   open(file, settings);
   EXPECT_GT(renderer.estimator.levels, 1);
   render(0.0);
@@ -79,6 +80,23 @@ TEST_F(Frames, ReadTheVolumeItselfWithoutAPrefilter) {
   EXPECT_EQ(renderer.estimator.levels, 1);
   render(0.0);
   EXPECT_NE(linear().pixels, filtered.pixels);
+}
+
+TEST_F(Frames, TakeRaysUnlessTapsAreAskedFor) {
+  const fs::path file = writeBakedScene(temporaryFolder());
+  open(file, settings);
+  EXPECT_EQ(renderer.estimator.traced, 8);
+  close();
+  settings.taps = 4;
+  open(file, settings);
+  EXPECT_EQ(renderer.estimator.traced, 0);
+  EXPECT_EQ(renderer.estimator.taps.size(), 4u);
+  EXPECT_FALSE(renderer.estimator.steps.empty()) << "calibrated";
+  close();
+  settings.estimator = "published";
+  open(file, settings);
+  EXPECT_EQ(renderer.estimator.taps.size(), 3u) << "at 64 voxels";
+  EXPECT_TRUE(renderer.estimator.steps.empty());
 }
 
 TEST_F(Frames, DarkenTheFloorUnderTheSphere) {

@@ -6,14 +6,13 @@
 #include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>
 
-#include "runtime/passes/shade/sky_estimator.h"
+#include "runtime/passes/shade/shade.h"
 #include "runtime/report/as_printed.h"
 #include "runtime/report/chart.h"
 #include "runtime/report/choice.h"
 #include "runtime/report/compare.h"
 #include "runtime/report/page.h"
 #include "runtime/report/statistics.h"
-#include "runtime/report/sweep.h"
 #include "runtime/report/table.h"
 #include "runtime/report/timing.h"
 
@@ -380,56 +379,6 @@ TEST(ReportPage, ShowsDifferencesInTheirSign) {
   EXPECT_LT(at(difference, 1, 0, 0), at(difference, 1, 0, 2)) << "too dark: blue";
   const Image none = differencePicture(reference, reference, {1, 1, 0});
   for (int channel = 0; channel < 3; ++channel) EXPECT_EQ(at(none, 0, 0, channel), 1.0f);
-}
-
-TEST(ReportSweep, NamesEverySettingOnceAndTheScenesOwnFirst) {
-  for (const bool apertures : {false, true}) {
-    Lighting own;
-    own.estimator.taps = 7;
-    own.globalVolume.resolution = 96;
-    const auto settings = sweepSettings(own, apertures, SweepSize::full);
-    EXPECT_LT(sweepSettings(own, apertures, SweepSize::quick).size(), settings.size());
-    EXPECT_LT(sweepSettings(own, apertures, SweepSize::variant).size(), sweepSettings(own, apertures, SweepSize::quick).size());
-    EXPECT_EQ(settings[0].taps, 7);
-    EXPECT_EQ(settings[0].resolution, 96);
-    EXPECT_TRUE(settings[0].storable);
-    std::vector<std::string> names;
-    for (const SweepSetting& setting : settings) {
-      names.push_back(setting.name);
-      EXPECT_TRUE(!setting.storable || setting.technique == Technique::overcast);
-      EXPECT_TRUE(!setting.storable || setting.apertures == apertures) << "a scene cannot say that its apertures do not count";
-      EXPECT_EQ(setting.resolution == 0, !readsVolume(setting.technique)) << setting.name;
-    }
-    for (const NamedTechnique& technique : kTechniques)
-      EXPECT_TRUE(std::any_of(settings.begin(), settings.end(), [&](const auto& one) { return one.technique == technique.technique; }))
-          << technique.name;
-    for (const char* estimator : kEstimators)
-      EXPECT_TRUE(std::any_of(settings.begin(), settings.end(), [&](const auto& one) { return one.estimator == estimator; }) ||
-                  (isHybrid(estimator) && !apertures))
-          << estimator;
-    for (const int resolution : {32, 64, 96, 128, 192, 256})
-      EXPECT_TRUE(std::any_of(settings.begin(), settings.end(), [&](const auto& one) { return one.resolution == resolution; }))
-          << resolution;
-    std::sort(names.begin(), names.end());
-    EXPECT_EQ(std::unique(names.begin(), names.end()), names.end());
-  }
-}
-
-TEST(ReportSweep, SaysWhatASmallerOneLeavesOut) {
-  EXPECT_EQ(leftOutOf(SweepSize::full), "");
-  EXPECT_THAT(leftOutOf(SweepSize::quick), HasSubstr("32, 96 and 192 voxels"));
-  for (const SweepSetting& setting : sweepSettings({}, true, SweepSize::quick))
-    EXPECT_THAT((std::vector<int>{0, 64, 128, 256}), testing::Contains(setting.resolution)) << setting.name;
-}
-
-TEST(ReportSweep, WritesConesIntoTheLighting) {
-  Lighting own;
-  own.estimator.name = "traced";
-  EXPECT_FALSE(lightingWith(own, {.estimator = "traced", .taps = 1, .resolution = 128}).estimator.cones) << "its own number";
-  const Lighting changed = lightingWith(own, {.estimator = "traced", .taps = 1, .cones = 16, .resolution = 64});
-  ASSERT_TRUE(changed.estimator.cones);
-  EXPECT_EQ(changed.estimator.cones->directions, 16);
-  EXPECT_EQ(changed.globalVolume.resolution, 64);
 }
 
 /// Pictures of `published` by the formulas of the pass, of pixels that miss these shares of their taps.

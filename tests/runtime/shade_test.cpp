@@ -101,6 +101,40 @@ TEST(SkyEstimators, ReachAsFarAtAnyResolution) {
   }
 }
 
+TEST(SkyEstimators, LightScenesAsTheirAperturesAllow) {
+  EXPECT_EQ(Estimator{}.name, "traced");
+  EXPECT_EQ(usedEstimator("published", false), "published");
+  EXPECT_EQ(usedEstimator("published", true), "hybrid-traced");
+  EXPECT_EQ(usedEstimator("hybrid-cones", true), "hybrid-cones");
+  EXPECT_EQ(usedEstimator("hybrid-cones", false), "cones");
+  EXPECT_EQ(usedEstimator("hybrid", false), "calibrated");
+  for (const char* name : kEstimators) {
+    const SkyEstimator made = skyEstimator(named(name), 128).value();
+    EXPECT_EQ(readsTaps(name), made.traced == 0) << name;
+    EXPECT_EQ(ownDirections(name), made.traced + static_cast<int>(made.directions.size())) << name;
+    for (const bool apertures : {false, true}) EXPECT_EQ(isHybrid(usedEstimator(name, apertures)), apertures);
+  }
+  for (const bool apertures : {false, true}) {
+    EXPECT_TRUE(readsTaps(tapsEstimator(apertures)));
+    EXPECT_EQ(usedEstimator(tapsEstimator(apertures), apertures), tapsEstimator(apertures));
+  }
+}
+
+TEST(SkyEstimators, KeepConstantsOfTheSameFormula) {
+  Estimator fitted = named("calibrated");
+  fitted.taps = 2;
+  fitted.weights = {1.0f, 2.0f};
+  fitted.skyWeight = 0.25f;
+  const Estimator hybrid = withName(fitted, "hybrid"), traced = withName(fitted, "traced");
+  EXPECT_EQ(hybrid.name, "hybrid");
+  EXPECT_EQ(hybrid.weights, fitted.weights);
+  EXPECT_EQ(hybrid.skyWeight, 0.25f);
+  EXPECT_EQ(traced.name, "traced");
+  EXPECT_EQ(traced.taps, 2) << "for whoever asks for taps later";
+  EXPECT_TRUE(traced.weights.empty());
+  EXPECT_EQ(traced.skyWeight, Estimator{}.skyWeight);
+}
+
 TEST(SkyEstimators, UnknownNamesAndWeightsAreRefused) {
   const Result<SkyEstimator> refused = skyEstimator(named("magic"), 128);
   ASSERT_FALSE(refused.ok());

@@ -239,6 +239,7 @@ TEST_F(SkyFrames, ScenesNameTheirSkyAndScenesWithoutAperturesHaveItToo) {
   ASSERT_TRUE(writeExr(temporaryFolder() / "grey sky.exr", {4, 2, {"R", "G", "B"}, std::vector<float>(24, 0.7f)}));
   for (const bool apertures : {true, false}) {
     Scene made = ballScene(temporaryFolder(), false);
+    made.lighting->estimator.name = "published";  // whose taps see less than all of the sky from a ball, which rays do not
     if (!apertures) made.meshes[1].visibility.reset();
     made.lighting->skyColour = glm::vec3(0.7f);
     const Image uniform = picture(made, {});

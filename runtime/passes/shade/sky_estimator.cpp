@@ -96,18 +96,36 @@ void addCones(const Estimator& estimator, int resolution, SkyEstimator& made) {
 /// SkyEstimator::error: of `traced` between 0.01 and 0.08, of taps between 0.1 and 0.3.
 constexpr double kTracedError = 0.03, kTapsError = 0.2;
 
-constexpr std::string_view kHybrid = "hybrid";
+constexpr std::string_view kHybrid = "hybrid", kCalibrated = "calibrated", kTraced = "traced", kCones = "cones";
 
 /// Of a hybrid, the estimator that says what has changed.
 std::string_view baseOf(std::string_view name) {
   if (!isHybrid(name)) return name;
-  return name.size() > kHybrid.size() ? name.substr(kHybrid.size() + 1) : "calibrated";
+  return name.size() > kHybrid.size() ? name.substr(kHybrid.size() + 1) : kCalibrated;
 }
 
 }  // namespace
 
 bool isHybrid(std::string_view name) {
   return name.starts_with(kHybrid);
+}
+
+std::string_view usedEstimator(std::string_view name, bool apertures) {
+  if (!apertures) return baseOf(name);
+  return isHybrid(name) ? name : kBestHybrid;
+}
+
+bool readsTaps(std::string_view name) {
+  return baseOf(name) != kTraced;
+}
+
+std::string_view tapsEstimator(bool apertures) {
+  return apertures ? kHybrid : kCalibrated;
+}
+
+int ownDirections(std::string_view name) {
+  const std::string_view base = baseOf(name);
+  return base == kTraced ? kTracedRays : base == kCones ? SkyCones{}.directions : 0;
 }
 
 Result<SkyEstimator> skyEstimator(const Estimator& estimator, int resolution) {
@@ -126,15 +144,15 @@ Result<SkyEstimator> skyEstimator(const Estimator& estimator, int resolution) {
   made.skyWeight = estimator.skyWeight;
   if (base == "published") {
     addPublishedTaps(estimator, resolution, made);
-  } else if (base == "cones") {
+  } else if (base == kCones) {
     addCones(estimator, resolution, made);
-  } else if (base == "traced") {
+  } else if (base == kTraced) {
     made.taps.push_back({});
     made.traced = estimator.cones ? estimator.cones->directions : kTracedRays;
   } else {
     addCalibratedTaps(estimator, resolution, made);
   }
-  made.error = base == "traced" ? kTracedError : kTapsError;
+  made.error = base == kTraced ? kTracedError : kTapsError;
   for (const SkyTap& tap : made.taps) made.levels = std::max(made.levels, tap.level + 1);
   return made;
 }
@@ -142,6 +160,16 @@ Result<SkyEstimator> skyEstimator(const Estimator& estimator, int resolution) {
 SkyEstimator unfiltered(SkyEstimator estimator) {
   for (SkyTap& tap : estimator.taps) tap.level = 0;
   estimator.levels = 1;
+  return estimator;
+}
+
+Estimator withName(Estimator estimator, std::string_view name) {
+  if (baseOf(name) != baseOf(estimator.name)) {
+    const int taps = estimator.taps;
+    estimator = Estimator{};
+    estimator.taps = taps;
+  }
+  estimator.name = name;
   return estimator;
 }
 

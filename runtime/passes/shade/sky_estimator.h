@@ -20,6 +20,19 @@ inline constexpr std::string_view kBestHybrid = "hybrid-traced";
 /// since their bake (rest.h).
 bool isHybrid(std::string_view name);
 
+/// What lights a scene that names an estimator: kBestHybrid where the scene has apertures and names no hybrid; where it has none, what a
+/// hybrid is made over.
+std::string_view usedEstimator(std::string_view name, bool apertures);
+
+/// Whether the estimator of that name, or the one that a hybrid is made over, reads taps: all but `traced`.
+bool readsTaps(std::string_view name);
+
+/// What answers where taps are asked for, of a scene lit by an estimator that reads none.
+std::string_view tapsEstimator(bool apertures);
+
+/// Directions of a pixel by the estimator of that name where the scene does not say how many; 0: it has none.
+int ownDirections(std::string_view name);
+
 struct SkyEstimator {
   std::vector<shared::SkyTap> taps;    ///< 1 to shared::kMaxTaps
   std::vector<shared::SkyStep> steps;  ///< of `calibrated`
@@ -39,6 +52,10 @@ Result<SkyEstimator> skyEstimator(const Estimator& estimator, int resolution);
 
 /// The same with all taps at level 0: what it would make of a pyramid that filters nothing.
 SkyEstimator unfiltered(SkyEstimator estimator);
+
+/// The estimator of another name: with the same constants where both are made over the same estimator, else with the program's own and as
+/// many taps.
+Estimator withName(Estimator estimator, std::string_view name);
 
 /// `taps` in place of the estimator's own: weights that were fitted to another number of taps give way to the program's.
 Estimator withTaps(Estimator estimator, int taps);
