@@ -25,7 +25,7 @@ constexpr std::array kPulls{1e-2, 1e-3, 1e-4};  // of one scene
 using Parameters = std::vector<double>;
 
 bool isCalibrated(std::string_view name) {
-  return name == "calibrated" || isHybrid(name);
+  return name == "calibrated" || name == "hybrid";
 }
 
 /// What is fitted of an estimator: visits its constants in a fixed order, with their bounds.

@@ -30,7 +30,7 @@ struct CalibrationSamples {
 Result<Done> addSamples(const Device& device, const RuntimeScene& scene, std::span<const Reference> references, const Estimator& estimator,
                         std::size_t most, CalibrationSamples& samples);
 
-/// Whether the estimator of this name has constants that can be fitted; `traced` has none.
+/// Whether the estimator of this name can be fitted: `published`, `calibrated`, `cones` and `hybrid`.
 bool canCalibrate(std::string_view name);
 
 /// `estimator` with the program's own constants written out where it leaves them to it, ready to be fitted; of `calibrated` with a number

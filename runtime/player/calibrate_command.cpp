@@ -73,7 +73,7 @@ void addOptions(CLI::App& app, Options& options) {
 
 void checkTogether(Options& options) {
   if (!options.estimator.empty() && !canCalibrate(options.estimator))
-    throw CLI::ValidationError("--estimator", fmt::format("'{}' is not an estimator with constants to fit", options.estimator));
+    throw CLI::ValidationError("--estimator", fmt::format("'{}' is not an estimator that can be fitted", options.estimator));
   if (options.reference.empty()) options.reference = options.scenes.front().parent_path() / "reference";
 }
 
@@ -84,7 +84,7 @@ Result<Estimator> presentOf(const Options& options, const fs::path& path, const 
   const std::string_view used = usedEstimator(own.name, apertures);
   Estimator present = withName(own, !options.estimator.empty() ? options.estimator : readsTaps(used) ? used : tapsEstimator(apertures));
   if (!canCalibrate(present.name))
-    return Error{path.string(), "", fmt::format("its estimator, {}, has no constants to fit: say which with --estimator", present.name)};
+    return Error{path.string(), "", fmt::format("its estimator, {}, cannot be fitted: say which with --estimator", present.name)};
   if (options.taps > 0) present = withTaps(std::move(present), options.taps);
   return withOwnConstants(std::move(present));
 }

@@ -15,6 +15,7 @@
 #include "formats/files.h"
 #include "formats/mesh.h"
 #include "formats/scene.h"
+#include "formats/scene_lighting.h"
 #include "tests/commands/bake_fixture.h"
 #include "tests/reference/radius.h"
 #include "tests/reference/shapes.h"
@@ -56,10 +57,15 @@ TEST_F(BakeCommand, AMeshBecomesASceneThatValidates) {
   EXPECT_EQ(bake("validate out/scene.gltf").exitCode, 0);
 }
 
-TEST_F(BakeCommand, AGltfSceneKeepsItsName) {
+TEST_F(BakeCommand, AGltfSceneKeepsItsNameAndItsEstimator) {
   ASSERT_EQ(bake("ball.off ring.off -o first --name pair").exitCode, 0);
+  Lighting lighting = readScene(folder / "first/pair.gltf").value().lighting.value();
+  EXPECT_EQ(lighting.estimator.name, "traced") << "where nobody chose";
+  lighting.estimator.name = "published";
+  ASSERT_TRUE(replaceLighting(folder / "first/pair.gltf", lighting).ok());
   ASSERT_EQ(bake("first/pair.gltf -o second").exitCode, 0);
   EXPECT_EQ(bake("validate second/pair.gltf").exitCode, 0);
+  EXPECT_EQ(readScene(folder / "second/pair.gltf").value().lighting->estimator.name, "published");
   EXPECT_EQ(bake("first/pair.gltf -o first").exitCode, 2);  // would replace its own input
   EXPECT_EQ(bake("validate first/pair.gltf").exitCode, 0);
 }

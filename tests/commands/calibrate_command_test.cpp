@@ -83,7 +83,8 @@ TEST_F(CalibrateCommand, RefusesWhatItCannotFit) {
   };
   refused("calibrate", 2, "SCENE");
   refused("calibrate a.gltf --taps 9", 2, "--taps");
-  refused("calibrate a.gltf --estimator traced", 2, "'traced'");
+  for (const std::string name : {"traced", "hybrid-traced", "hybrid-cones"})
+    refused("calibrate a.gltf --estimator " + name, 2, "'" + name + "'");
   refused("calibrate a.gltf", 3, "a.gltf");
   refused("calibrate --help", 0, "--dry-run");
   const std::string plain = std::string(OVERCAST_SOURCE_FOLDER) + "/data/scenes/";
