@@ -211,19 +211,39 @@ TEST(DenoiseFormulas, EveryWindowHoldsEachPlaceOfThePatternOnce) {
     }
 }
 
-TEST(DenoiseFormulas, FourWidenedWindowsHoldEachPlaceOfTheWidePatternOnce) {
-  for (const glm::ivec2 pixel : {glm::ivec2(8, 8), glm::ivec2(13, 10), glm::ivec2(11, 15)}) {
-    std::array<float, shared::kWidePatternSize> sums{};
-    for (int corner = 0; corner < 4; ++corner)
-      for (int dy = -shared::kDenoiseReach; dy <= shared::kDenoiseReach; ++dy)
-        for (int dx = -shared::kDenoiseReach; dx <= shared::kDenoiseReach; ++dx) {
-          const glm::ivec2 middle = pixel + shared::kDenoiseReach * (2 * glm::ivec2(corner & 1, corner >> 1) - 1);
-          sums.at(static_cast<std::size_t>(shared::widePatternPlace(middle + glm::ivec2(dx, dy)))) += shared::windowWeight(dx, dy);
-        }
-    for (const float sum : sums) EXPECT_EQ(sum, 1.0f);
+/// How often the window about a pixel holds each place of the wide pattern, as wide as steps `reach` and all before leave it.
+std::array<float, shared::kWidePatternSize> placesWithin(const glm::ivec2& pixel, int reach) {
+  std::array<float, shared::kWidePatternSize> sums{};
+  if (reach == 1) {
+    for (int dy = -shared::kDenoiseReach; dy <= shared::kDenoiseReach; ++dy)
+      for (int dx = -shared::kDenoiseReach; dx <= shared::kDenoiseReach; ++dx)
+        sums.at(static_cast<std::size_t>(shared::widePatternPlace(pixel + glm::ivec2(dx, dy)))) += shared::windowWeight(dx, dy);
+    return sums;
   }
-  EXPECT_EQ(shared::wideShare(24.0f), 0.0f) << "what stands near";
-  EXPECT_EQ(shared::wideShare(48.0f), 1.0f);
+  for (int corner = 0; corner < 4; ++corner) {
+    const auto part = placesWithin(pixel + reach * (2 * glm::ivec2(corner & 1, corner >> 1) - 1), reach / 2);
+    for (std::size_t place = 0; place < sums.size(); ++place) sums.at(place) += part.at(place);
+  }
+  return sums;
+}
+
+TEST(DenoiseFormulas, WidenedWindowsHoldEachPlaceOfTheWidePatternOnce) {
+  for (const glm::ivec2 pixel : {glm::ivec2(16, 16), glm::ivec2(21, 18), glm::ivec2(27, 31)}) {
+    for (const float sum : placesWithin(pixel, 4)) EXPECT_EQ(sum, 1.0f);
+    for (const float sum : placesWithin(pixel, 2)) EXPECT_LE(sum, 1.0f) << "none twice";
+  }
+}
+
+TEST(DenoiseFormulas, WindowsWidenWhereLightChangesSlowlyAndByNoMoreThanNoise) {
+  for (const int reach : {2, 4}) {
+    const float near = 1.0f / (3.0f * static_cast<float>(reach * reach));  // and half of the rays meet something
+    EXPECT_EQ(shared::wideShare(0.5f, 0.5f, 0.5f * near, reach), 0.0f) << "what stands near";
+    EXPECT_EQ(shared::wideShare(0.5f, 0.5f, 0.25f * near, reach), 1.0f);
+    EXPECT_EQ(shared::wideShare(0.5f, 0.5f, 0.0f, reach), 1.0f);
+    EXPECT_EQ(shared::wideShare(1.0f, 1.0f, 0.0f, reach), 0.0f) << "nothing is hidden, nothing to find out";
+    EXPECT_EQ(shared::wideShare(0.5f, 0.4f, 0.0f, reach), 0.0f) << "an edge";
+    EXPECT_EQ(shared::wideShare(0.0f, 0.0f, 0.0f, reach), 1.0f) << "in the dark";
+  }
 }
 
 TEST(DenoiseFormulas, NeighboursCountInThePixelsPlaneOnly) {

@@ -1,6 +1,6 @@
-// One thread per pixel: its visibility (alpha of `raw`) averaged over the pattern, and the sky's light. Of the two steps of the wide
-// pattern OVERCAST_FIRST averages alone, together with how near things are (red of `raw`, per pixel), and OVERCAST_WIDEN widens that.
-// OVERCAST_REST: what is left of the visibility at rest (green of `raw`; runtime/passes/shade/rest.h).
+// One thread per pixel: its visibility (alpha of `raw`) averaged over the pattern of 4x4, together with how near things are (red, per
+// pixel), or with OVERCAST_CORNERS that widened to the means of four pixels so many away. OVERCAST_LAST: makes light of it. OVERCAST_REST:
+// of what is left of the visibility at rest (green of `raw`; runtime/passes/shade/rest.h).
 #version 460
 #include "runtime/passes/denoise/denoise.h"
 #include "runtime/passes/screen/screen.glsl"
@@ -21,16 +21,16 @@ float weightOf(ivec2 other, ivec2 size, vec3 point, vec3 normal) {
   return surfaceWeight(way, normal, texelFetch(normalImage, other, 0).xyz);
 }
 
-#ifdef OVERCAST_WIDEN
+#ifdef OVERCAST_CORNERS
 vec4 denoised(ivec2 pixel, ivec2 size, vec3 point, vec3 normal) {
   vec4 own = texelFetch(raw, pixel, 0);
   vec4 mean = own;
   for (int corner = 0; corner < 4; ++corner) {
-    ivec2 other = pixel + kDenoiseReach * (2 * ivec2(corner & 1, corner >> 1) - 1);
+    ivec2 other = pixel + OVERCAST_CORNERS * (2 * ivec2(corner & 1, corner >> 1) - 1);
     float weight = weightOf(other, size, point, normal);
     if (weight > 0.0f) mean += 0.25f * weight * (texelFetch(raw, other, 0) - own);
   }
-  return mix(own, mean, wideShare(1.0f / max(own.r, 1.0e-4f)));
+  return mix(own, mean, wideShare(own.a, mean.a, own.r, OVERCAST_CORNERS));
 }
 #else
 vec4 denoised(ivec2 pixel, ivec2 size, vec3 point, vec3 normal) {
@@ -54,7 +54,7 @@ void main() {
   if (!surfaceOfThread(push.relativeFromClip, pixel, point)) return;
   vec3 normal = texelFetch(normalImage, pixel, 0).xyz;
   vec4 made = denoised(pixel, imageSize(lightImage), point, normal);
-#ifdef OVERCAST_FIRST
+#ifndef OVERCAST_LAST
   imageStore(lightImage, pixel, made);
 #else
 #ifdef OVERCAST_REST

@@ -4,9 +4,9 @@
 // noise and without a history: every window of 5x5 pixels with half weights on its border holds each place of the pattern with weight 1.
 // Neighbours count as far as they lie in the pixel's plane and face as it does (a bilateral filter, Tomasi and Manduchi 1998).
 //
-// Widened, sixty-four sets in a pattern of 8x8 pixels: what the first step makes of the four pixels two away to the left or right and two
-// up or down covers each of them once. Where something stands near, light changes within fewer pixels than that, and the first step
-// remains.
+// Widened twice, 256 sets in a pattern of 16x16 pixels: what that makes of the four pixels two away to the left or right and two up or
+// down covers each set of 8x8 pixels once, and the same of that, four away, each of all. Where what hides the sky stands near, light
+// changes within fewer pixels than that, and so it may where a step changes more than rays err: what was before remains.
 #ifndef RUNTIME_PASSES_DENOISE_DENOISE_H
 #define RUNTIME_PASSES_DENOISE_DENOISE_H
 
@@ -17,7 +17,7 @@ OVERCAST_SHARED_BEGIN
 const int kPatternSide = 4;
 const int kPatternSize = 16;
 const int kDenoiseReach = 2;  ///< pixels to either side
-const int kWidePatternSize = 64;
+const int kWidePatternSize = 256;
 
 struct DenoisePush {
   mat4 relativeFromClip;  //  0: positions relative to the eye from clip space, before the division by w
@@ -31,16 +31,20 @@ OVERCAST_INLINE int patternPlace(ivec2 pixel) {
   return ((mixed & 1) << 3) | ((y & 1) << 2) | (mixed & 2) | (y >> 1);
 }
 
-/// Place of a pixel in the pattern of 8x8, 0 to 63, likewise.
+/// Place of a pixel in the pattern of 16x16, 0 to 255, likewise.
 OVERCAST_INLINE int widePatternPlace(ivec2 pixel) {
   int mixed = pixel.x ^ pixel.y;
-  int block = ((mixed & 4) >> 1) | ((pixel.y & 4) >> 2);
-  return (patternPlace(pixel) << 2) | block;
+  int block = ((mixed & 4) << 1) | (pixel.y & 4) | ((mixed & 8) >> 2) | ((pixel.y & 8) >> 3);
+  return (patternPlace(pixel) << 4) | block;
 }
 
-/// How much of its light a pixel takes from the wider window where what its rays meet is `away` pixels away (the harmonic mean), 0 to 1.
-OVERCAST_INLINE float wideShare(float away) {
-  return clamp(away / 24.0f - 1.0f, 0.0f, 1.0f);
+/// How much of its visibility a pixel takes from four windows `reach` pixels to each side, 0 to 1, where it has `own`, their mean is
+/// `wider` and the rays that meet something do so 1 / `nearness` pixels away (the harmonic mean).
+OVERCAST_INLINE float wideShare(float own, float wider, float nearness, int reach) {
+  float squared = float(reach * reach);
+  float far = clamp((1.0f - own) / max(3.0f * squared * nearness, 1.0e-6f) - 1.0f, 0.0f, 1.0f);
+  float noise = 0.27f / squared * sqrt(sqrt(max(wider * (1.0f - wider), 0.0f))) + 1.0e-4f;
+  return far * clamp(2.0f - abs(wider - own) / noise, 0.0f, 1.0f);
 }
 
 /// Weight of a neighbour by where it is in the window.

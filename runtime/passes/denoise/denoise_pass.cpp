@@ -1,6 +1,7 @@
 #include "runtime/passes/denoise/denoise_pass.h"
 
 #include <cstddef>
+#include <vector>
 
 #include <fmt/format.h>
 #include <glm/matrix.hpp>
@@ -14,10 +15,17 @@ static_assert(sizeof(shared::DenoisePush) == 80 && offsetof(shared::DenoisePush,
 namespace {
 
 constexpr std::uint32_t kSkyBinding = kFirstScreenBinding + 1;
+constexpr const char* kShader = "runtime/passes/denoise/denoise.comp.glsl";
 
-/// A step from `from` into `into`.
-Result<Done> addStep(const Device& device, const GeometryImages& images, const GpuImage& from, const GpuImage& into, Shader shader,
-                     const GpuBuffer* sky, ScreenPass& step) {
+/// What the steps define, in their order.
+std::vector<std::vector<ShaderDefine>> stepsOf(bool wide) {
+  if (!wide) return {{{"OVERCAST_LAST", "1"}}};
+  return {{}, {{"OVERCAST_CORNERS", "2"}}, {{"OVERCAST_CORNERS", "4"}, {"OVERCAST_LAST", "1"}}};
+}
+
+/// A step from `from` into `into`; the last has the light of `sky`.
+Result<ScreenPass> makeStep(const Device& device, const GeometryImages& images, const GpuImage& from, const GpuImage& into, Shader shader,
+                            const GpuBuffer* sky) {
   std::vector<Binding> own{{kFirstScreenBinding, VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER}};
   if (sky) {
     shader.defines.push_back({"OVERCAST_SKY", fmt::format("{}", kSkyBinding)});
@@ -25,25 +33,29 @@ Result<Done> addStep(const Device& device, const GeometryImages& images, const G
   }
   if (images.rest.image) shader.defines.push_back({"OVERCAST_REST", "1"});
   Result<ScreenPass> made = makeScreenPass(device, images, into, shader, own, sizeof(shared::DenoisePush));
-  if (!made) return made.error();
-  step = std::move(made).value();
-  writeSampledImage(device, step.set, kFirstScreenBinding, from.view, step.nearest);
-  if (sky) writeBuffer(device, step.set, kSkyBinding, *sky);
-  return Done{};
+  if (!made) return made;
+  writeSampledImage(device, made.value().set, kFirstScreenBinding, from.view, made.value().nearest);
+  if (sky) writeBuffer(device, made.value().set, kSkyBinding, *sky);
+  return made;
 }
 
 Result<Done> fill(const Device& device, const GeometryImages& images, const GpuImage& light, const DenoiseSettings& settings,
                   DenoisePass& pass) {
-  const char* const path = "runtime/passes/denoise/denoise.comp.glsl";
-  for (GpuImage* image : {&pass.raw, &pass.mean}) {
-    if (image == &pass.mean && !settings.wide) continue;
+  for (GpuImage* image : {&pass.raw, &pass.other}) {
+    if (image == &pass.other && !settings.wide) continue;
     Result<GpuImage> made = makeLightImage(device, images);
     if (!made) return made.error();
     *image = std::move(made).value();
   }
-  if (!settings.wide) return addStep(device, images, pass.raw, light, {path, {}}, settings.sky, pass.screen);
-  const Result<Done> first = addStep(device, images, pass.raw, pass.mean, {path, {{"OVERCAST_FIRST", "1"}}}, nullptr, pass.screen);
-  return first ? addStep(device, images, pass.mean, light, {path, {{"OVERCAST_WIDEN", "1"}}}, settings.sky, pass.widen) : first;
+  const std::vector<std::vector<ShaderDefine>> steps = stepsOf(settings.wide);
+  for (std::size_t i = 0; i < steps.size(); ++i) {
+    const bool last = i + 1 == steps.size();
+    const GpuImage &from = i % 2 == 0 ? pass.raw : pass.other, &into = i % 2 == 0 ? pass.other : pass.raw;
+    Result<ScreenPass> made = makeStep(device, images, from, last ? light : into, {kShader, steps[i]}, last ? settings.sky : nullptr);
+    if (!made) return made.error();
+    pass.steps.push_back(std::move(made).value());
+  }
+  return Done{};
 }
 
 }  // namespace
@@ -58,16 +70,15 @@ Result<DenoisePass> makeDenoisePass(const Device& device, const GeometryImages& 
 }
 
 void destroyDenoisePass(const Device& device, DenoisePass& pass) {
-  destroyScreenPass(device, pass.widen);
-  destroyImage(device, pass.mean);
-  destroyScreenPass(device, pass.screen);
+  for (ScreenPass& step : pass.steps) destroyScreenPass(device, step);
+  destroyImage(device, pass.other);
   destroyImage(device, pass.raw);
+  pass = {};
 }
 
 void recordDenoise(VkCommandBuffer commands, const DenoisePass& pass, const ScreenView& view) {
   const shared::DenoisePush push{glm::mat4(glm::inverse(view.clipFromRelative)), glm::vec4(view.skyColour, 0.0f)};
-  recordScreenPass(commands, pass.screen, push);
-  if (pass.widen.light.image) recordScreenPass(commands, pass.widen, push);
+  for (const ScreenPass& step : pass.steps) recordScreenPass(commands, step, push);
 }
 
 }  // namespace overcast

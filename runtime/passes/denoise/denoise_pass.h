@@ -9,14 +9,13 @@
 namespace overcast {
 
 struct DenoisePass {
-  GpuImage raw;  ///< makeLightImage; the pass before writes visibility as alpha and, where it is wide, nearness as red
-  ScreenPass screen;
-  GpuImage mean;  ///< of a wide pattern, as `screen` leaves it for `widen`
-  ScreenPass widen;
+  GpuImage raw;    ///< makeLightImage; the pass before writes visibility as alpha and, where it is wide, nearness as red
+  GpuImage other;  ///< of a wide pattern: steps read one of the two and write the other
+  std::vector<ScreenPass> steps;
 };
 
 struct DenoiseSettings {
-  bool wide = false;               ///< the pattern is that of 8x8
+  bool wide = false;               ///< the pattern is that of 16x16
   const GpuBuffer* sky = nullptr;  ///< a shared::SkyLight; null: the sky is uniform
 };
 

@@ -16,7 +16,7 @@
 // too; one that faces down sees less than its taps tell. Weights and heights are not negative, so a surface is never brighter for a tap
 // that misses more, and C is in [0, 1]; open ground is exactly 1 with any of them.
 // `cones`: C = (mean over cones of min_i clamp(phi(P + d_i c) / (d_i s) + b, 0, 1))^q, all taps of level 0.
-// `traced`: the share of rays that leave the volume (rays.h), so many in each pixel: neighbours take turns with sixty-four sets, and the
+// `traced`: the share of rays that leave the volume (rays.h), so many in each pixel: neighbours take turns with 256 sets, and the
 // denoise pass (denoise.h), widened, gives each pixel the mean of all. Nearer than a voxel what stands at a point cannot be told from its
 // own surface: rays first look there. One that has not left after kRaySteps has met something: it creeps along a crease.
 //
@@ -127,10 +127,10 @@ OVERCAST_INLINE float throughBall(float t, float rise, float height, float radiu
   return t < middle - reach ? t : max(t, middle + reach);
 }
 
-/// Direction of ray `ray` of `count` about +z at `place` of the wide pattern (0 to 63), unit length, z > 0.
+/// Direction of ray `ray` of `count` about +z at `place` of the wide pattern (0 to 255), unit length, z > 0.
 OVERCAST_INLINE vec3 tracedDirection(int ray, int count, int place) {
-  const float sixtyFourth = 0.0981747704f;
-  return spiralDirection(ray, count, (float((27 * place) & 63) + 0.5f) / 64.0f, sixtyFourth * float(place));
+  const float share = 0.0245436926f;  // of a whole turn
+  return spiralDirection(ray, count, (float((91 * place) & 255) + 0.5f) / 256.0f, share * float(place));
 }
 
 /// How far from `p` along the unit vector `direction` the volume [0, size] begins; 0 inside it.

@@ -117,7 +117,7 @@ vec2 visibilityOfPlace(vec3 p, vec3 normal, int place) {
 
 float visibility(vec3 p, vec3 normal, vec4 skew) {
   float sum = 0.0f;
-  for (int place = 0; place < kPatternSize; ++place) sum += visibilityOfPlace(p, normal, 4 * place).x;
+  for (int place = 0; place < kPatternSize; ++place) sum += visibilityOfPlace(p, normal, kPatternSize * place).x;
   return sum / float(kPatternSize);
 }
 #elif defined(OVERCAST_CONES)
