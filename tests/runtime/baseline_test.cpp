@@ -243,6 +243,8 @@ TEST(DenoiseFormulas, WindowsWidenWhereLightChangesSlowlyAndByNoMoreThanNoise) {
     EXPECT_EQ(shared::wideShare(1.0f, 1.0f, 0.0f, reach), 0.0f) << "nothing is hidden, nothing to find out";
     EXPECT_EQ(shared::wideShare(0.5f, 0.4f, 0.0f, reach), 0.0f) << "an edge";
     EXPECT_EQ(shared::wideShare(0.0f, 0.0f, 0.0f, reach), 1.0f) << "in the dark";
+    EXPECT_EQ(shared::wideShare(0.025f, 0.025f, 2.0f * near, reach), 1.0f) << "little light in a corner";
+    EXPECT_EQ(shared::wideShare(0.0f, 0.0f, 5.0f * near, reach), 0.0f) << "a contact shadow";
   }
 }
 

@@ -42,7 +42,8 @@ OVERCAST_INLINE int widePatternPlace(ivec2 pixel) {
 /// `wider` and the rays that meet something do so 1 / `nearness` pixels away (the harmonic mean).
 OVERCAST_INLINE float wideShare(float own, float wider, float nearness, int reach) {
   float squared = float(reach * reach);
-  float far = clamp((1.0f - own) / max(3.0f * squared * nearness, 1.0e-6f) - 1.0f, 0.0f, 1.0f);
+  float dim = clamp(8.0f * own, 0.2f, 1.0f);  // light that is weak changes by less
+  float far = clamp((1.0f - own) / max(3.0f * squared * dim * nearness, 1.0e-6f) - 1.0f, 0.0f, 1.0f);
   float noise = 0.27f / squared * sqrt(sqrt(max(wider * (1.0f - wider), 0.0f))) + 1.0e-4f;
   return far * clamp(2.0f - abs(wider - own) / noise, 0.0f, 1.0f);
 }
