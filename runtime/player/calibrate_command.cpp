@@ -43,6 +43,7 @@ struct Options {
 struct Job {
   CalibrationSamples samples;
   Lighting lighting;
+  bool apertures = false;  ///< the first has some
   Estimator present;
   Estimator start;
 };
@@ -77,12 +78,14 @@ void checkTogether(Options& options) {
   if (options.reference.empty()) options.reference = options.scenes.front().parent_path() / "reference";
 }
 
-/// The constants that the scene has for the estimator that is asked for, or the program's.
+/// The constants that the scene has under the name of the estimator that is asked for, or the program's.
 Result<Estimator> presentOf(const Options& options, const fs::path& path, const RuntimeScene& scene) {
   const bool apertures = hasApertures(scene);
   const Estimator& own = scene.lighting.estimator;
   const std::string_view used = usedEstimator(own.name, apertures);
-  Estimator present = withName(own, !options.estimator.empty() ? options.estimator : readsTaps(used) ? used : tapsEstimator(apertures));
+  Estimator present = own;
+  present.name = !options.estimator.empty() ? options.estimator : readsTaps(used) ? used : tapsEstimator(apertures);
+  if (present.name != own.name) present = Estimator{present.name, own.taps};
   if (!canCalibrate(present.name))
     return Error{path.string(), "", fmt::format("its estimator, {}, cannot be fitted: say which with --estimator", present.name)};
   if (options.taps > 0) present = withTaps(std::move(present), options.taps);
@@ -118,6 +121,7 @@ std::optional<Failure> addScene(const Device& device, const Options& options, co
       job.present = present.value();
       job.start = options.scenes.size() > 1 ? neutralStart(job.present, 1) : startOf(job.present);
       job.lighting = scene.lighting;
+      job.apertures = hasApertures(scene);
       job.samples.resolution = scene.lighting.globalVolume.resolution;
       job.samples.skyWeights = skyWeightsOf(options, job);
     }
@@ -181,8 +185,14 @@ std::string jsonOf(const Job& job, const Calibration& made, bool written) {
   return json.dump(1) + "\n";
 }
 
-std::string writtenText(const std::string& before, const std::string& after) {
-  return "written into the scene" + (before == after ? "" : fmt::format(", whose estimator it is now in place of {}", before)) + "\n";
+std::string writtenText(const Job& job, const Estimator& made) {
+  const std::string& before = job.lighting.estimator.name;
+  const std::string_view used = usedEstimator(made.name, job.apertures);
+  std::string text = "written into the scene";
+  if (before != made.name) text += fmt::format(", whose estimator it is now in place of {}", before);
+  if (job.apertures && used != made.name)
+    text += fmt::format("; over its apertures {} lights it all the same, unless a hybrid is fitted", used);
+  return text + "\n";
 }
 
 /// The best of fits from several starts.
@@ -216,7 +226,7 @@ int finish(const Options& options, const Job& job) {
   }
   printResult(options.json ? jsonOf(job, made, writes) : textOf(job, made));
   if (!options.json)
-    printResult(writes        ? writtenText(job.lighting.estimator.name, made.estimator.name)
+    printResult(writes        ? writtenText(job, made.estimator)
                 : made.better ? "better than before; not written (--dry-run)\n"
                               : "no better than before on what was left out: the scene stays as it was\n");
   return static_cast<int>(ExitCode::ok);

@@ -75,6 +75,21 @@ TEST_F(CalibrateCommand, FitsAndWritesTheSceneAndNothingElseInIt) {
   EXPECT_EQ(play(command).output, again.output) << "the same every time";
 }
 
+TEST_F(CalibrateCommand, FitsWhatCanLightTheScene) {
+  const std::string plain = quoted(std::string(OVERCAST_SOURCE_FOLDER) + "/data/scenes/sphere_on_plane.gltf");
+  ASSERT_EQ(bake(plain + " -o baked --resolution 24 --apertures vertex --quiet").exitCode, 0);
+  ASSERT_EQ(bake("reference baked/sphere_on_plane.gltf -o baked/reference --size 64x36 --samples 256 --quantities sky --quiet").exitCode,
+            0);
+  const std::string command = "calibrate baked/sphere_on_plane.gltf --points 100";
+  const ShellResult plainTaps = play(command + " --estimator calibrated");
+  ASSERT_EQ(plainTaps.exitCode, 0) << plainTaps.output;
+  EXPECT_THAT(plainTaps.output, HasSubstr("in place of traced; over its apertures hybrid-traced lights it all the same"));
+  const ShellResult unnamed = play(command);
+  ASSERT_EQ(unnamed.exitCode, 0) << unnamed.output;
+  EXPECT_THAT(unnamed.output, HasSubstr("hybrid, 5 taps: "));
+  EXPECT_THAT(unnamed.output, testing::EndsWith("in place of calibrated\n")) << "the same constants light it now";
+}
+
 TEST_F(CalibrateCommand, RefusesWhatItCannotFit) {
   const auto refused = [&](const std::string& arguments, int code, const std::string& reason) {
     const ShellResult result = play(arguments);
