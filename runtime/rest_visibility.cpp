@@ -268,7 +268,8 @@ float trustIn(const SceneMesh& mesh, RestKind kind, double error) {
   if (kind == RestKind::unchanged) return 2.0f * shared::kTrustBeyond;
   if (kind == RestKind::volume) return shared::kTrustBeyond;
   const double squared = error * error;
-  return static_cast<float>(squared / (squared + mesh.apertureError * mesh.apertureError));
+  const auto share = static_cast<float>(squared / (squared + mesh.apertureError * mesh.apertureError));
+  return kind == RestKind::vertices ? shared::knowingTrust(share) : share;
 }
 
 Result<Done> upload(const Job& job, const Kinds& kinds, const std::vector<std::vector<float>>& values,

@@ -33,6 +33,17 @@ TEST(RestFormulas, NothingChangesWhereTheEstimatorSaysTheSame) {
     }
 }
 
+TEST(RestFormulas, TrustSaysWhetherOthersAreKnown) {
+  for (const float share : {0.0f, 0.3f, 1.0f}) {
+    EXPECT_FALSE(shared::restKnowsOthers(share));
+    EXPECT_TRUE(shared::restKnowsOthers(shared::knowingTrust(share)));
+    EXPECT_FALSE(shared::restIsLookedUp(shared::knowingTrust(share)));
+    EXPECT_NEAR(shared::correctedVisibility(0.6f, 0.8f, 0.4f, shared::knowingTrust(share)),
+                shared::correctedVisibility(0.6f, 0.8f, 0.4f, share), 1e-6f);
+  }
+  EXPECT_TRUE(shared::restKnowsOthers(shared::kTrustBeyond) && shared::restKnowsOthers(2.0f * shared::kTrustBeyond));
+}
+
 TEST(RestFormulas, StayWithinWhatCanBeAndGrowWithTheEstimator) {
   for (float baked = 0.0f; baked <= 1.0f; baked += 0.125f)
     for (float rest = 0.0f; rest <= 1.0f; rest += 0.125f)

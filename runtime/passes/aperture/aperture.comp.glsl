@@ -55,17 +55,21 @@ layout(set = 0, binding = 6) uniform sampler3D volume;
 // What other objects leave of a cone from `from` (voxels) in `direction`, up to `far` voxels.
 float clearOfOthers(vec3 from, vec3 direction, float radius, float far) {
   vec3 size = vec3(textureSize(volume, 0));
-  float clear = 1.0;
+  float least = 1.0;
+  vec2 first = vec2(0.0), second = vec2(0.0);  // the two samples before: x: t, y: phi / width
   float t = 0.0;
-  for (int i = 0; i < kConeSteps && t < far && clear > 0.0; ++i) {
+  for (int i = 0; i < kConeSteps && t < far && least > -1.0; ++i) {
     vec3 p = from + t * direction;
     if (any(lessThan(p, vec3(0.0))) || any(greaterThan(p, size))) break;
     float phi = textureLod(volume, p / size, 0.0).r;
     float width = coneWidth(t, radius);
-    clear = min(clear, coneClear(phi, width));
+    vec2 third = vec2(t, phi / width);
+    least = min(least, i > 1 ? coneLeast(first, second, third) : third.y);
+    first = second;
+    second = third;
     t += coneStep(phi, width);
   }
-  return clear;
+  return coneClear(least);
 }
 
 // Voxels from a point to the surface of a light, beyond which nothing stands before it.
@@ -84,12 +88,21 @@ void main() {
 
 #ifdef OVERCAST_OTHERS
   vec3 from = push.voxel.xyz + point * push.voxel.w + kConeStart * normal;
+#ifdef OVERCAST_REST
+  bool knowsOthers = restKnowsOthers(texelFetch(restImage, pixel, 0).g);
+#else
+  bool knowsOthers = true;  // else something could change
+#endif
 #endif
   vec3 received = vec3(0.0);
   float covered = 0.0;
   for (int i = 0; i < push.lights.x; ++i) {
-    ApertureShare share = apertureShare(OVERCAST_APERTURE_MODE, normal, aperture, lightCap(lights[i], point, normal));
+    vec4 cap = lightCap(lights[i], point, normal);
+    ApertureShare share = apertureShare(OVERCAST_APERTURE_MODE, normal, aperture, cap);
     covered += share.area;
+#ifdef OVERCAST_OTHERS
+    if (knowsOthers && lights[i].radiance.w == 0.0) share = lampShare(OVERCAST_APERTURE_MODE, normal, cap, share);
+#endif
     if (share.cosine <= 0.0) continue;
 #ifdef OVERCAST_OTHERS
     share.cosine *= clearOfOthers(from, share.centre, share.radius, distanceOf(lights[i], point));

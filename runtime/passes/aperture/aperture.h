@@ -6,6 +6,7 @@
 //
 // Other objects take light away by the global distance volume. The cone of what a light sends through the aperture holds nothing of the
 // object itself, so whatever the volume finds in it belongs to others: it is traced for each light, and what is clear of it multiplies in.
+// Apertures that were baked with others leave lamps to the volume for the most part (lampShare).
 // The sky goes by what the sky estimator says has changed since the bake (the hybrids of DESIGN 5.4): runtime/passes/shade/rest.h. Scenes
 // of one object have no others and trace nothing.
 #ifndef RUNTIME_PASSES_APERTURE_APERTURE_H
@@ -61,7 +62,9 @@ OVERCAST_INLINE vec4 lightCap(ApertureLight light, vec3 point, vec3 normal) {
 /// Steps of a cone through the distance volume, at most.
 const int kConeSteps = 32;
 /// Cones start so many voxels above the surface, out of reach of how much mesh and volume disagree.
-const float kConeStart = 1.5f;
+const float kConeStart = 1.0f;
+/// Of lampShare.
+const float kLampKnown = 0.25f;
 /// A cone is nowhere narrower than so many voxels, which the volume can tell.
 const float kConeNarrowest = 0.5f;
 
@@ -75,14 +78,27 @@ OVERCAST_INLINE float coneWidth(float t, float radius) {
   return max(t * capSine(radius), kConeNarrowest);
 }
 
-/// How much of a cone is clear where the nearest surface is `phi` from its axis (negative: beyond it), [0, 1].
-OVERCAST_INLINE float coneClear(float phi, float width) {
-  return clamp(0.5f + 0.5f * phi / width, 0.0f, 1.0f);
+/// How much of a cone is clear where the nearest surface is `least` half widths from its axis (negative: beyond it), [0, 1]: the share of a
+/// disc on one side of a chord, to 0.013.
+OVERCAST_INLINE float coneClear(float least) {
+  float x = clamp(least, -1.0f, 1.0f);
+  return 0.5f + x * (0.625f - 0.125f * x * x);
+}
+
+/// The least value near three samples (x: place, growing, y: value): that of the last, or where the second is the lowest, of the parabola
+/// through them. Steps alone draw rings into shadows.
+OVERCAST_INLINE float coneLeast(vec2 first, vec2 second, vec2 third) {
+  float fall = (second.y - first.y) / (second.x - first.x);
+  float rise = (third.y - second.y) / (third.x - second.x);
+  float bend = (rise - fall) / (third.x - first.x);
+  if (fall > 0.0f || rise < 0.0f || !(bend > 0.0f)) return third.y;
+  float place = 0.5f * (first.x + second.x - fall / bend);
+  return first.y + (place - first.x) * (fall + bend * (place - second.x));
 }
 
 /// How far the next step goes: to where something can be that is not seen from here, but on through what half blocks the cone.
 OVERCAST_INLINE float coneStep(float phi, float width) {
-  return max(phi, width);
+  return max(phi, 0.5f * width);
 }
 
 /// What comes through `aperture` (xyz axis, w radius) of the cap `light`.
@@ -108,6 +124,15 @@ OVERCAST_INLINE ApertureShare apertureShare(int mode, vec3 normal, vec4 aperture
     share.cosine = share.area * length * max(dot(normal, share.centre), 0.0f);
   }
   return share;
+}
+
+/// What a lamp sends to a surface whose aperture other objects narrow too, before the cone of the whole lamp through the volume, which
+/// finds them again. Such an aperture tells what is left of the sky: it takes walls behind the lamp for walls before it. `share`, what
+/// comes through it, counts for kLampKnown, for what the object's own shape hides and volumes are too coarse to tell.
+OVERCAST_INLINE ApertureShare lampShare(int mode, vec3 normal, vec4 lamp, ApertureShare share) {
+  ApertureShare whole = apertureShare(mode, normal, vec4(normal, kApertureWidest), lamp);
+  whole.cosine = mix(whole.cosine, share.cosine, kLampKnown);
+  return whole;
 }
 
 /// Share of an aperture that lights which cover `covered` of it (a solid angle) leave to the sky.

@@ -20,12 +20,21 @@ const int kNoRestValues = -2147483647;
 /// Sky visibility at rest of a placed mesh (runtime/rest_visibility.h).
 struct RestInstance {
   int shift;    // 0: added to a vertex's index gives that of its value; kNoRestValues: 1 at all
-  float trust;  // 4: in apertures, [0, 1], or more (kTrustBeyond)
+  float trust;  // 4: in apertures, [0, 1], or more (kTrustBeyond), or below 0 (knowingTrust)
 };
 
 /// A trust in apertures that is no share: this much where the estimator at rest is looked up in the volume, twice as much where nothing can
 /// change.
 const float kTrustBeyond = 2.0f;
+
+/// A trust that is a share, in apertures that were baked with others.
+OVERCAST_INLINE float knowingTrust(float share) {
+  return -1.0f - share;
+}
+/// Whether the apertures were baked with others.
+OVERCAST_INLINE bool restKnowsOthers(float trust) {
+  return trust < 0.0f || trust > 1.5f;
+}
 
 OVERCAST_INLINE bool restIsLookedUp(float trust) {
   return trust > 1.5f;
@@ -49,7 +58,7 @@ OVERCAST_INLINE float correctedVisibility(float baked, float rest, float now, fl
   if (restIsLookedUp(trust)) return baked * now;
   float kept = baked * (now + kRestFloor) / (rest + kRestFloor);
   float freed = 1.0f - (1.0f - baked) * (1.0f + kRestFloor - now) / (1.0f + kRestFloor - rest);
-  return mix(now, now < rest ? kept : min(kept, freed), trust);
+  return mix(now, now < rest ? kept : min(kept, freed), trust < 0.0f ? -1.0f - trust : trust);
 }
 
 OVERCAST_SHARED_END
