@@ -257,6 +257,29 @@ TEST(DenoiseFormulas, NeighboursCountInThePixelsPlaneOnly) {
   EXPECT_EQ(shared::surfaceWeight({1, 0, 0}, up, {1, 0, 0}), 0.0f);
 }
 
+TEST(RayFormulas, RaysLeaveCreasesAndAreStoppedByWalls) {
+  EXPECT_FALSE(shared::rayHits(1.0f, 2.0f, 0.1f, 0.05f)) << "it leads away";
+  EXPECT_TRUE(shared::rayHits(1.0f, 2.0f, 0.1f, 0.2f));
+  EXPECT_TRUE(shared::rayHits(3.0f, 2.0f, 0.1f, 0.05f)) << "further off all is a wall";
+  EXPECT_FALSE(shared::rayHits(3.0f, 0.15f, 0.15f, 0.2f)) << "its own ground";
+  EXPECT_EQ(shared::rayLift(1.0f, 0.5f), 0.0f) << "nothing covers it";
+  EXPECT_GT(shared::rayLift(0.25f, -1.0f), 1.0f);
+}
+
+TEST(DenoiseFormulas, PixelsFollowTheirGuideAsFarAsTheirWindowDoes) {
+  EXPECT_NEAR(shared::guidedShare(0.05f, 0.1f), 0.5f, 0.01f);
+  EXPECT_NEAR(shared::guidedShare(0.1f, 0.1f), 1.0f, 0.01f);
+  EXPECT_EQ(shared::guidedShare(0.3f, 0.1f), 1.0f) << "no further";
+  EXPECT_EQ(shared::guidedShare(-0.1f, 0.1f), 0.0f) << "nor against it";
+  EXPECT_EQ(shared::guidedShare(0.0f, 0.0f), 0.0f);
+}
+
+TEST(DenoiseFormulas, PixelsTakeTheSetsThatTheirNeighboursCannotGive) {
+  EXPECT_EQ(shared::setsOfPixel(16.0f), 1) << "all share its surface";
+  EXPECT_EQ(shared::setsOfPixel(8.0f), 2);
+  EXPECT_EQ(shared::setsOfPixel(1.0f), shared::kMostSets) << "none does";
+}
+
 TEST_F(Baselines, ConstantIsTheSameEverywhere) {
   for (const Pixel& pixel : light(Technique::constant, test::groundCube(test::sphereOnGround), 0.25f)) {
     EXPECT_EQ(pixel.sky, 0.25f);

@@ -4,6 +4,10 @@
 // noise and without a history: every window of 5x5 pixels with half weights on its border holds each place of the pattern with weight 1.
 // Neighbours count as far as they lie in the pixel's plane and face as it does (a bilateral filter, Tomasi and Manduchi 1998).
 //
+// Samples are noisy, and their mean over a window washes out what changes within a few pixels, contact shadows say. So a pass that has a
+// noise-free guess of where it does gives that as a guide, and a pixel gets as much more than the mean of its window as its guide has more,
+// by the regression of samples on guides there (guidedShare).
+//
 // Widened twice, 256 sets in a pattern of 16x16 pixels: what that makes of the four pixels two away to the left or right and two up or
 // down covers each set of 8x8 pixels once, and the same of that, four away, each of all. Where what hides the sky stands near, light
 // changes within fewer pixels than that, and so it may where a step changes more than rays err: what was before remains.
@@ -59,6 +63,21 @@ OVERCAST_INLINE float surfaceWeight(vec3 way, vec3 normal, vec3 itsNormal) {
   float rise = abs(dot(way, normal));
   float level = clamp(1.0f - rise * rise / (0.04f * dot(way, way) + 1.0e-30f), 0.0f, 1.0f);
   return level * clamp((dot(normal, itsNormal) - 0.8f) * 5.0f, 0.0f, 1.0f);
+}
+
+/// How much of what the guide has more at a pixel than in the mean of its window the pixel has more, too, [0, 1]: the regression of what is
+/// averaged on the guide over the window (the guided filter: He, Sun and Tang 2013, equation 5), which tends to none where the guide varies
+/// less than the samples are noisy.
+OVERCAST_INLINE float guidedShare(float covariance, float variance) {
+  return clamp(covariance / (variance + 1.0e-3f), 0.0f, 1.0f);
+}
+
+const int kMostSets = 8;
+
+/// How many sets of samples a pixel takes whose window weighs `weight` on its surface, 1 to 16, so that at outlines and on thin or curved
+/// things, where few neighbours share theirs, there are about as many as on level ground.
+OVERCAST_INLINE int setsOfPixel(float weight) {
+  return clamp(int(float(kPatternSize) / weight + 0.5f), 1, kMostSets);
 }
 
 OVERCAST_SHARED_END

@@ -9,7 +9,8 @@
 namespace overcast {
 
 struct DenoisePass {
-  GpuImage raw;    ///< makeLightImage; the pass before writes visibility as alpha and, where it is wide, nearness as red
+  GpuImage raw;    ///< makeLightImage; the pass before writes visibility as alpha and, where it is wide, nearness as red and a guide
+                   ///< as blue
   GpuImage other;  ///< of a wide pattern: steps read one of the two and write the other
   std::vector<ScreenPass> steps;
 };

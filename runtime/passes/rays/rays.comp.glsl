@@ -9,12 +9,20 @@ layout(push_constant) uniform Push {
 };
 #include "runtime/passes/screen/volume.glsl"
 
-float clearRay(vec3 from, vec3 direction) {
+float fieldAt(vec3 p) {
+  return volumeAt(p);
+}
+#include "runtime/passes/rays/start.glsl"
+
+// `start`: heightOfStart; `rise`: what the ray rises per voxel above the surface.
+float clearRay(vec3 from, vec3 direction, vec2 start, float rise) {
   float reach = reachInVolume(from, direction, volumeSize());
-  float t = 0.0f;
+  float t = kRayFirst;
+  float before = start.y;
   for (int i = 0; i < kRaySteps && t < reach; ++i) {
     float phi = volumeAt(from + t * direction);
-    if (phi < rayHit(t)) return 0.0f;
+    if (rayHits(t, start.x + t * rise, phi, before)) return 0.0f;
+    before = phi;
     t += max(phi, kRayShortest);
   }
   return t < reach ? 0.0f : 1.0f;
@@ -26,10 +34,14 @@ void main() {
   if (!surfaceOfThread(push.voxelFromClip, pixel, point)) return;
   vec3 normal = texelFetch(normalImage, pixel, 0).xyz;
   mat3 frame = frameAbout(normal);
-  vec3 from = point + kRayStart * normal;
+  vec2 start = heightOfStart(point, normal);
+  vec3 from = point + start.x * normal;
   int place = patternPlace(pixel);
   float sky = 0.0f;
-  for (int ray = 0; ray < OVERCAST_RAYS; ++ray) sky += clearRay(from, frame * rayDirection(ray, OVERCAST_RAYS, place));
+  for (int ray = 0; ray < OVERCAST_RAYS; ++ray) {
+    vec3 direction = rayDirection(ray, OVERCAST_RAYS, place);
+    sky += clearRay(from, frame * direction, start, direction.z);
+  }
   sky /= float(OVERCAST_RAYS);
   writeLight(pixel, push.sky.rgb * sky, sky);
 }

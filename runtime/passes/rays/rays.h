@@ -17,20 +17,32 @@ struct RaysPush {
   vec4 sky;            // 64: rgb: linear radiance of the sky
 };
 
-/// Rays start this far above the surface, more than mesh and field disagree; 0.5 and 0.25 gave the least error on scenes of 64 and 128
-/// voxels against 256.
-const float kRayStart = 0.5f;
+/// Rays start at least this far above the surface. The field should be 0 there, but where mesh and field disagree (blurred heights, spans
+/// between voxels, creases between two samples) the surface may lie within it, and all rays would be stopped at once: there they start
+/// where the field reads kRayOpen of their height above the surface. Not more (start.glsl), or contact shadows are lost that are right.
+const float kRayStart = 0.25f;
+const float kRayOpen = 0.25f;
+const int kRayLifts = 3;       ///< looks for such a start
+const float kRayFirst = 0.5f;  ///< voxels along a ray to where it first looks
 /// And have hit where the field is below this: thin sheets do not read zero between two samples.
 const float kRayHit = 0.25f;
-/// Steps at most. The lowest of 64 rays rises 0.09 per voxel: over open ground it leaves a volume of 256 voxels after 65. A ray that is
-/// still there after all has hit: it creeps along a crease.
-const int kRaySteps = 96;
+/// Steps at most. The lowest ray of the sixteen sets of 64 rises 0.022 per voxel: over open ground it leaves a volume of 128 voxels after
+/// 114. A ray that is still there after all has hit: it creeps along a crease.
+const int kRaySteps = 128;
 const float kRayShortest = 0.25f;  ///< voxels a step takes at least
 
-/// The field below which a ray has hit, `t` voxels from its start: it grows to kRayHit within two voxels, so that rays which leave a crease
-/// for the open are not stopped by the wall beside them.
-OVERCAST_INLINE float rayHit(float t) {
-  return kRayHit * min(0.5f * t, 1.0f);
+/// How much higher above the surface to start than at `height`, where the field is `phi`, voxels: at most two in each look.
+OVERCAST_INLINE float rayLift(float height, float phi) {
+  return clamp(kRayOpen * height - phi, 0.0f, 2.0f);
+}
+
+/// Whether a ray has hit `t` voxels from its start and `height` above the plane of the surface, where the field is `phi`, having been
+/// `before` a look earlier. What is enough grows to kRayHit within two voxels, and so far only where the field falls: rays that leave a
+/// crease for the open are not stopped by what stands beside or over them. It is at most half of what that plane alone reads, so that no
+/// ray is stopped by the ground it starts from.
+OVERCAST_INLINE bool rayHits(float t, float height, float phi, float before) {
+  float enough = min(kRayHit * min(0.5f * t, 1.0f), 0.5f * height);
+  return phi < enough && (phi < before || t > 2.0f);
 }
 
 /// Direction of ray `ray` of `count` about +z, unit length, z > 0, on a spiral moved outward by `shift` of a ray's share, above 0 and below

@@ -4,6 +4,10 @@
 #include "runtime/passes/screen/screen.glsl"
 #include "runtime/passes/shade/sky_visibility.glsl"
 
+#ifdef OVERCAST_TRACED
+#include "runtime/passes/denoise/window.glsl"
+#endif
+
 layout(push_constant) uniform Push {
   ShadePush push;
 };
@@ -13,26 +17,31 @@ layout(push_constant) uniform Push {
 layout(set = 0, binding = 14) uniform sampler2D restImage;
 #endif
 
-// What the estimator says at a pixel; y: of its own rays, how near what they meet is (visibilityOfPlace).
-vec2 visibilityOfPixel(ivec2 pixel, vec3 p, vec3 normal) {
+// What the estimator says at a pixel; of its own rays y: how near what they meet is (visibilityOfPlace), z: the guide of the denoise pass.
+vec3 visibilityOfPixel(ivec2 pixel, vec3 p, vec3 normal) {
 #ifdef OVERCAST_TRACED
-  return visibilityOfPlace(p, normal, widePatternPlace(pixel));
+  int sets = setsOfPixel(sharedWeight(push.voxelFromClip, pixel, imageSize(lightImage), p, normal));
+  int place = widePatternPlace(pixel);
+  RayStart rays = startOver(p, normal);
+  vec2 sum = vec2(0.0f);
+  for (int i = 0; i < sets; ++i) sum += visibilityOfPlace(rays, (place + i * kWidePatternSize / sets) & (kWidePatternSize - 1));
+  return vec3(sum / float(sets), guideOf(p, rays.frame));
 #else
-  return vec2(visibility(p, normal, push.skew), 0.0f);
+  return vec3(visibility(p, normal, push.skew), 0.0f, 0.0f);
 #endif
 }
 
-// x, y: visibilityOfPixel; z: visibility at rest, 1 where that is known at the vertices or nobody asks.
-vec3 nowAndAtRest(ivec2 pixel, vec3 p, vec3 normal) {
+// x, y, z: visibilityOfPixel; w: visibility at rest, 1 where that is known at the vertices or nobody asks.
+vec4 nowAndAtRest(ivec2 pixel, vec3 p, vec3 normal) {
 #ifdef OVERCAST_REST
   float trust = texelFetch(restImage, pixel, 0).g;
-  if (restIsUnchanged(trust)) return vec3(1.0f, 0.0f, 1.0f);
-  vec3 seen = vec3(visibilityOfPixel(pixel, p, normal), 1.0f);
+  if (restIsUnchanged(trust)) return vec4(1.0f, 0.0f, 1.0f, 1.0f);
+  vec4 seen = vec4(visibilityOfPixel(pixel, p, normal), 1.0f);
   atRest = true;
-  if (restIsLookedUp(trust)) seen.z = visibilityOfPixel(pixel, p, normal).x;
+  if (restIsLookedUp(trust)) seen.w = visibilityOfPixel(pixel, p, normal).x;
   return seen;
 #else
-  return vec3(visibilityOfPixel(pixel, p, normal), 1.0f);
+  return vec4(visibilityOfPixel(pixel, p, normal), 1.0f);
 #endif
 }
 
@@ -41,12 +50,12 @@ void main() {
   vec3 p;
   if (!surfaceOfThread(push.voxelFromClip, pixel, p)) return;
   vec3 normal = texelFetch(normalImage, pixel, 0).xyz;
-  vec3 seen = nowAndAtRest(pixel, p, normal);
+  vec4 seen = nowAndAtRest(pixel, p, normal);
 #ifdef OVERCAST_TRACED
   vec3 beside = pointOfPixel(push.voxelFromClip, pixel + ivec2(1, 0), imageSize(lightImage), texelFetch(depthImage, pixel, 0).r);
-  imageStore(lightImage, pixel, vec4(seen.y * distance(p, beside), seen.z, 0.0f, seen.x));
+  imageStore(lightImage, pixel, vec4(seen.y * distance(p, beside), seen.w, seen.z, seen.x));
 #else
-  float sky = shareLeft(seen.z, seen.x);
+  float sky = shareLeft(seen.w, seen.x);
   writeLight(pixel, openSky(normal) * sky, sky);
 #endif
 }

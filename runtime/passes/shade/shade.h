@@ -17,8 +17,8 @@
 // that misses more, and C is in [0, 1]; open ground is exactly 1 with any of them.
 // `cones`: C = (mean over cones of min_i clamp(phi(P + d_i c) / (d_i s) + b, 0, 1))^q, all taps of level 0.
 // `traced`: the share of rays that leave the volume (rays.h), so many in each pixel: neighbours take turns with 256 sets, and the
-// denoise pass (denoise.h), widened, gives each pixel the mean of all. Nearer than a voxel what stands at a point cannot be told from its
-// own surface: rays first look there. One that has not left after kRaySteps has met something: it creeps along a crease.
+// denoise pass (denoise.h), widened, gives each pixel the mean of all. Pixels whose neighbours lie on other surfaces take more sets. A ray
+// that has not left after kRaySteps has met something: it creeps along a crease.
 //
 // `hybrid`, `hybrid-cones`, `hybrid-traced`: baked apertures, corrected by what `calibrated`, `cones` or `traced` says has changed since
 // the bake (rest.h). Scenes without apertures get that estimator alone.
@@ -108,7 +108,6 @@ OVERCAST_INLINE float coneOpenness(float phi, float d, vec4 cone) {
   return clamp(phi / (d * cone.x) + cone.y, 0.0f, 1.0f);
 }
 
-const float kTraceFirst = 1.0f;  ///< voxels along a traced ray to where it first looks
 /// Balls about points over a pixel, as large as the field there says that nothing is in them: its rays pass through them without looking.
 const int kBalls = 3;
 
@@ -125,6 +124,18 @@ OVERCAST_INLINE float throughBall(float t, float rise, float height, float radiu
   if (squared <= 0.0f) return t;
   float reach = sqrt(squared);
   return t < middle - reach ? t : max(t, middle + reach);
+}
+
+/// Cones that tell the denoise pass without noise where near things begin and end (its guide), and taps along each.
+const int kGuideCones = 6;
+const int kGuideTaps = 3;
+
+/// How open a cone is at tap `tap` where the field is `phi`; the taps are at 1.5, 3 and 6 voxels.
+OVERCAST_INLINE float guideDistance(int tap) {
+  return 1.5f * exp2(float(tap));
+}
+OVERCAST_INLINE float guideOpenness(float phi, int tap) {
+  return clamp(phi / (1.2f * guideDistance(tap)) + 0.2f, 0.0f, 1.0f);
 }
 
 /// Direction of ray `ray` of `count` about +z at `place` of the wide pattern (0 to 255), unit length, z > 0.

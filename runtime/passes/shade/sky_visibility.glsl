@@ -75,49 +75,84 @@ float sharpField(vec3 at) {
   return textureLod(level0, at, 0.0f).r;
 }
 
-// Radii of the balls over `from`, which no hit is in, 0 of those that are not in the volume.
+// Radii of the balls over `from`, 0 of those that are not in the volume. Less than the field says by what makes no ray over open ground
+// leave them where it starts.
 float[kBalls] ballsOver(vec3 from, vec3 normal, vec3 size) {
   float radii[kBalls];
   for (int i = 0; i < kBalls; ++i) {
     vec3 middle = from + ballHeight(i) * normal;
-    radii[i] = clamp(middle, vec3(0.0f), size) == middle ? max(sharpField(middle / size) - kRayHit, 0.0f) : 0.0f;
+    radii[i] = clamp(middle, vec3(0.0f), size) == middle ? max(sharpField(middle / size) - 0.5f * kRayStart, 0.0f) : 0.0f;
   }
   return radii;
 }
 
-// How many voxels away a ray meets a surface that rises so much per voxel; 0: it leaves the volume.
-float meets(vec3 from, vec3 direction, float rise, float balls[kBalls], vec3 size) {
-  float end = reachInVolume(from, direction, size);
-  float t = max(kTraceFirst, wayToVolume(from, direction, size));
-  for (int i = 0; i < kBalls; ++i) t = throughBall(t, rise, ballHeight(i), balls[i]);
-  vec3 start = from / size;
-  vec3 way = direction / size;
+float fieldAt(vec3 p) {
+  return field(0, p);
+}
+#include "runtime/passes/rays/start.glsl"
+
+// Where the rays of a point start.
+struct RayStart {
+  vec3 from;
+  mat3 frame;           // about the normal
+  vec2 height;          // heightOfStart
+  float balls[kBalls];  // ballsOver
+};
+
+RayStart startOver(vec3 p, vec3 normal) {
+  RayStart start;
+  start.height = heightOfStart(p, normal);
+  start.from = p + start.height.x * normal;
+  start.frame = frameAbout(normal);
+  start.balls = ballsOver(start.from, normal, vec3(textureSize(level0, 0)));
+  return start;
+}
+
+// How many voxels away the ray in `direction`, in the frame about the normal, meets a surface; 0: it leaves the volume.
+float meets(RayStart rays, vec3 direction) {
+  vec3 size = vec3(textureSize(level0, 0));
+  vec3 along = rays.frame * direction;
+  float end = reachInVolume(rays.from, along, size);
+  float t = max(kRayFirst, wayToVolume(rays.from, along, size));
+  for (int i = 0; i < kBalls; ++i) t = throughBall(t, direction.z, ballHeight(i), rays.balls[i]);
+  vec3 start = rays.from / size;
+  vec3 way = along / size;
+  float before = rays.height.y;
   for (int i = 0; i < kRaySteps && t < end; ++i) {
     float phi = sharpField(start + t * way);
-    if (phi < rayHit(t)) return t;
+    if (rayHits(t, rays.height.x + t * direction.z, phi, before)) return t;
+    before = phi;
     t += max(phi, kRayShortest);
   }
   return t < end ? t : 0.0f;
 }
 
 // Visibility by the rays of one place of the wide pattern (denoise.h), and the mean of one over how many voxels away they meet something.
-vec2 visibilityOfPlace(vec3 p, vec3 normal, int place) {
-  mat3 frame = frameAbout(normal);
-  vec3 size = vec3(textureSize(level0, 0));
-  vec3 from = p + kRayStart * normal;
-  float balls[kBalls] = ballsOver(from, normal, size);
+vec2 visibilityOfPlace(RayStart rays, int place) {
   vec2 sum = vec2(0.0f);
   for (int ray = 0; ray < OVERCAST_TRACED; ++ray) {
-    vec3 direction = tracedDirection(ray, OVERCAST_TRACED, place);
-    float t = meets(from, frame * direction, direction.z, balls, size);
+    float t = meets(rays, tracedDirection(ray, OVERCAST_TRACED, place));
     sum += t > 0.0f ? vec2(0.0f, 1.0f / t) : vec2(1.0f, 0.0f);
   }
   return sum / float(OVERCAST_TRACED);
 }
 
-float visibility(vec3 p, vec3 normal, vec4 skew) {
+// What the denoise pass takes for a guide: how open a few wide cones are within some voxels.
+float guideOf(vec3 p, mat3 frame) {
   float sum = 0.0f;
-  for (int place = 0; place < kPatternSize; ++place) sum += visibilityOfPlace(p, normal, kPatternSize * place).x;
+  for (int cone = 0; cone < kGuideCones; ++cone) {
+    vec3 axis = frame * spiralDirection(cone, kGuideCones, 0.5f, 0.0f);
+    float open = 1.0f;
+    for (int tap = 0; tap < kGuideTaps; ++tap) open = min(open, guideOpenness(fieldAt(p + guideDistance(tap) * axis), tap));
+    sum += open;
+  }
+  return sum / float(kGuideCones);
+}
+
+float visibility(vec3 p, vec3 normal, vec4 skew) {
+  RayStart rays = startOver(p, normal);
+  float sum = 0.0f;
+  for (int place = 0; place < kPatternSize; ++place) sum += visibilityOfPlace(rays, kPatternSize * place).x;
   return sum / float(kPatternSize);
 }
 #elif defined(OVERCAST_CONES)
