@@ -160,9 +160,11 @@ void readSteps(Fields& fields, Estimator& estimator) {
   for (std::size_t i = 0; i < count; ++i) {
     Fields field = fields.element("steps", i);
     SkyStep& step = estimator.steps.emplace_back();
-    field.numbers("weights", step.weights, static_cast<std::size_t>(estimator.taps), 0.0, kMostOfEstimator);
+    const auto taps = static_cast<std::size_t>(estimator.taps);
+    field.numbers("weights", step.weights, taps, 0.0, kMostOfEstimator);
+    field.numbers("gaps", step.gaps, taps - 1, 0.0, kMostOfEstimator);
     field.number("start", step.start, -kMostOfEstimator, kMostOfEstimator);
-    field.number("facing", step.facing, -kMostOfEstimator, kMostOfEstimator);
+    field.number("slant", step.slant, -kMostOfEstimator, kMostOfEstimator);
     field.number("height", step.height, 0.0, kMostOfEstimator);
   }
 }
@@ -172,7 +174,8 @@ void readEstimator(Fields fields, Estimator& estimator) {
   fields.integer("taps", estimator.taps, 1, 8);
   fields.number("k", estimator.k, 0.0, kLargestFloat);
   fields.number("skyWeight", estimator.skyWeight, 0.0, 1.0);
-  if (fields.has("weights")) fields.numbers("weights", estimator.weights, static_cast<std::size_t>(estimator.taps), 0.0, kMostOfEstimator);
+  if (fields.has("weights"))
+    return fields.fail("weights", "are of taps along one line, as no estimator takes them any more: take them and the steps out");
   if (fields.has("steps")) readSteps(fields, estimator);
   if (fields.has("cones")) readCones(fields.child("cones"), estimator.cones.emplace());
   if (fields.has("fitError")) fields.number("fitError", estimator.fitError, 0.0, kLargestNumber);
@@ -268,13 +271,14 @@ std::string lightingJson(const Lighting& lighting) {
   const Estimator& estimator = lighting.estimator;
   json["estimator"] = {
       {"name", estimator.name}, {"taps", estimator.taps}, {"k", shortest(estimator.k)}, {"skyWeight", shortest(estimator.skyWeight)}};
-  for (const float weight : estimator.weights) json["estimator"]["weights"].push_back(shortest(weight));
   for (const SkyStep& step : estimator.steps) {
-    Json weights = Json::array();
+    Json weights = Json::array(), gaps = Json::array();
     for (const float weight : step.weights) weights.push_back(shortest(weight));
+    for (const float gap : step.gaps) gaps.push_back(shortest(gap));
     json["estimator"]["steps"].push_back({{"weights", std::move(weights)},
+                                          {"gaps", std::move(gaps)},
                                           {"start", shortest(step.start)},
-                                          {"facing", shortest(step.facing)},
+                                          {"slant", shortest(step.slant)},
                                           {"height", shortest(step.height)}});
   }
   if (const std::optional<SkyCones>& cones = estimator.cones)

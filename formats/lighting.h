@@ -34,11 +34,12 @@ struct SkyCones {
   float power = 0.7f;   ///< above 0: of their mean
 };
 
-/// A soft step in the exponent of `calibrated` (runtime/passes/shade/shade.h): what single weights cannot say.
+/// A soft step in the exponent of `calibrated` (runtime/passes/shade/shade.h).
 struct SkyStep {
-  std::vector<float> weights;  ///< of the taps, at least 0, as many as there are
-  float start = 0.0f;          ///< where open ground lies on it
-  float facing = 0.0f;         ///< how far along it 1 - N.U leads
+  std::vector<float> weights;  ///< of what the taps miss, at least 0, as many as there are, the nearest first
+  std::vector<float> gaps;     ///< of what is not known to be free between them, at least 0, one fewer
+  float start = 0.0f;          ///< where open ground lies on it, along the normal
+  float slant = 0.0f;          ///< how far along it directions at a right angle to the normal lie beyond that
   float height = 0.0f;         ///< half of what it adds from end to end, at least 0
 };
 inline constexpr std::size_t kMostSkySteps = 8;
@@ -50,10 +51,8 @@ struct Estimator {
   int taps = 5;    ///< 1 to 8, at 128 voxels along the longest side; of `published` at 1, 2, 4, ... voxels, and one more per doubling
   float k = 1.5f;  ///< at least 0: darkening; a point that all taps find shut gets about exp(-k (1 + alpha)), open ground 1
   float skyWeight = 0.5f;  ///< alpha in N' = N + alpha U, 0 to 1 (Evans 2006, 9.6); an open wall gets 1/2 where k alpha = 0.75
-  /// Of the taps in the exponent of `calibrated`, at least 0, `taps` of them, the nearest first; empty: the program's own,
-  /// fitted to generated scenes for 4 to 6 taps.
-  std::vector<float> weights;
-  std::vector<SkyStep> steps;     ///< up to kMostSkySteps beside the weights; none where there are no weights
+  /// Of `calibrated`, up to kMostSkySteps; none: the program's own, fitted to generated scenes for 4 to 6 taps.
+  std::vector<SkyStep> steps;
   std::optional<SkyCones> cones;  ///< none: the program's own; 8 directions for `traced`
   double fitError = -1.0;         ///< RMSE against the reference they were fitted to; negative: not fitted
   double heldOutError = -1.0;     ///< RMSE on frames and objects that were left out of the fit (cross validation); negative: not known

@@ -67,13 +67,13 @@ void fields(Archive& archive, GlobalVolume& volume) {
 
 template <class Archive>
 void fields(Archive& archive, SkyStep& step) {
-  archive(step.weights, step.start, step.facing, step.height);
+  archive(step.weights, step.gaps, step.start, step.slant, step.height);
 }
 
 template <class Archive>
 void fields(Archive& archive, Estimator& estimator) {
-  archive(estimator.name, estimator.taps, estimator.k, estimator.skyWeight, estimator.weights, estimator.steps, estimator.cones,
-          estimator.fitError, estimator.heldOutError);
+  archive(estimator.name, estimator.taps, estimator.k, estimator.skyWeight, estimator.steps, estimator.cones, estimator.fitError,
+          estimator.heldOutError);
 }
 
 template <class Archive>

@@ -66,7 +66,7 @@ Estimator estimatorOf(const Lighting& lighting, const FrameSettings& settings, b
 /// Whether pixels take turns with their samples.
 bool takesTurns(const FrameRenderer& renderer) {
   const Technique technique = renderer.settings.technique.technique;
-  return technique == Technique::overcast ? renderer.estimator.traced > 0 && (!renderer.apertures || renderer.rest) : denoises(technique);
+  return technique == Technique::overcast ? takesTurns(renderer.estimator) && (!renderer.apertures || renderer.rest) : denoises(technique);
 }
 
 Result<Done> makeTargets(const Device& device, FrameRenderer& renderer) {
@@ -79,8 +79,9 @@ Result<Done> makeTargets(const Device& device, FrameRenderer& renderer) {
   const GpuBuffer* sky = renderer.sky.buffer ? &renderer.sky : nullptr;
   if (done) done = take(makeLightImage(device, targets.images), targets.light);
   if (done && takesTurns(renderer)) {
-    const DenoiseSettings wide{settings.technique.technique == Technique::overcast, sky};
-    done = take(makeDenoisePass(device, targets.images, targets.light, wide), targets.denoise.emplace());
+    const bool ours = settings.technique.technique == Technique::overcast;
+    const DenoiseSettings denoise{ours, ours && renderer.estimator.traced == 0, sky};
+    done = take(makeDenoisePass(device, targets.images, targets.light, denoise), targets.denoise.emplace());
   }
   const GpuImage& light = targets.denoise ? targets.denoise->raw : targets.light;
   if (done && settings.technique.technique != Technique::overcast) {

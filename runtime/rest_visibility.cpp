@@ -198,13 +198,18 @@ bool isSkewed(const SkyEstimator& estimator) {
   return estimator.traced == 0 && estimator.directions.empty();
 }
 
+/// Whether it depends on where an object stands: taps up to the border of the volume are further apart where that is farther away.
+bool reachesBorder(const SkyEstimator& estimator) {
+  return !estimator.steps.empty();
+}
+
 /// By object: the first alone of the same mesh that stands alike, or itself.
 std::vector<std::size_t> firstAlike(const Job& job, const Kinds& kinds) {
   const std::vector<SceneObject>& objects = job.scene.objects;
   std::vector<std::size_t> first(objects.size()), found;
   for (std::size_t i = 0; i < objects.size(); ++i) {
     first[i] = i;
-    if (kinds.of[i] != RestKind::alone) continue;
+    if (kinds.of[i] != RestKind::alone || reachesBorder(job.estimator)) continue;
     const auto alike = std::find_if(found.begin(), found.end(), [&](std::size_t j) {
       return objects[j].mesh == objects[i].mesh && objects[j].asset == objects[i].asset &&
              standAlike(glm::dmat3(job.nodes[objects[j].node]), glm::dmat3(job.nodes[objects[i].node]), job.scene.lighting.up,

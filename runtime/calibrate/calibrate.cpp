@@ -16,9 +16,10 @@ namespace overcast {
 namespace {
 
 constexpr double kMost = 20.0;
-constexpr double kSteepest = 2.0;  // of steps: steeper ones draw lines where surfaces cross them
-constexpr double kLowest = 0.02;   // of their heights: nothing tells where one of none should lie, so it would stay at none
-constexpr double kFurthest = 6.0;  // of where open ground lies on one
+constexpr double kSteepest = 12.0;  // of steps: steeper ones draw lines where surfaces cross them
+constexpr double kLowest = 0.02;    // of their heights: nothing tells where one of none should lie, so it would stay at none
+constexpr double kFurthest = 12.0;  // of where open ground lies on one
+constexpr std::size_t kSteps = 4;   // more predict no better what was left out
 constexpr int kFolds = 5;
 constexpr std::array kPulls{1e-2, 1e-3, 1e-4};  // of one scene
 
@@ -30,25 +31,26 @@ bool isCalibrated(std::string_view name) {
 
 /// What is fitted of an estimator: visits its constants in a fixed order, with their bounds.
 template <class Constants, class Visit>
-void visitConstants(Constants& estimator, const Visit& visit) {
+void visitConstants(Constants& estimator, FittedSteps fitted, const Visit& visit) {
   if (estimator.name == "published") return visit(estimator.k, 0.0, kMost);
   if (estimator.name == "cones") {
     visit(estimator.cones->spread, 0.02, 10.0);
     visit(estimator.cones->bias, 0.0, 1.0);
     return visit(estimator.cones->power, 0.05, 10.0);
   }
-  for (auto& weight : estimator.weights) visit(weight, 0.0, kMost);
   for (auto& step : estimator.steps) {
-    for (auto& weight : step.weights) visit(weight, 0.0, kSteepest);
     visit(step.start, -kFurthest, kFurthest);
-    visit(step.facing, -kSteepest, kSteepest);
     visit(step.height, kLowest, kMost);
+    if (fitted == FittedSteps::placed) continue;
+    for (auto& weight : step.weights) visit(weight, 0.0, kSteepest);
+    for (auto& gap : step.gaps) visit(gap, 0.0, kSteepest);
+    visit(step.slant, -kSteepest, kSteepest);
   }
 }
 
-Estimator withParameters(Estimator estimator, std::span<const double> parameters) {
+Estimator withParameters(Estimator estimator, FittedSteps fitted, std::span<const double> parameters) {
   std::size_t next = 0;
-  visitConstants(estimator, [&](float& constant, double, double) { constant = static_cast<float>(parameters[next++]); });
+  visitConstants(estimator, fitted, [&](float& constant, double, double) { constant = static_cast<float>(parameters[next++]); });
   return estimator;
 }
 
@@ -63,10 +65,10 @@ void predict(const Rows& rows, const Estimator& estimator, std::span<float> pred
   const CalibrationSamples& samples = rows.samples;
   const SkyEstimator ready = skyEstimator(estimator, samples.resolution).value();
   const std::size_t each = readingsOf(ready);
-  const std::span<const float> phi = samples.phi[rows.skyWeight];
+  const std::span<const float> readings = samples.readings[rows.skyWeight];
   for (std::size_t i = 0; i < rows.rows.size(); ++i) {
     const std::size_t row = rows.rows[i];
-    predicted[i] = visibilityOf(ready, samples.ups[row], samples.normals[row], phi.subspan(row * each, each));
+    predicted[i] = visibilityOf(ready, readings.subspan(row * each, each));
   }
 }
 
@@ -76,20 +78,20 @@ std::vector<float> truthOf(const Rows& rows) {
   return truth;
 }
 
-Estimator fit(const Rows& rows, Estimator start, double pull) {
+Estimator fit(const Rows& rows, Estimator start, const FitSettings& settings) {
   start.skyWeight = rows.samples.skyWeights[rows.skyWeight];
   const std::vector<float> truth = truthOf(rows);
-  FitProblem problem{.truth = truth, .low = {}, .high = {}, .predict = {}, .pull = pull};
+  FitProblem problem{.truth = truth, .low = {}, .high = {}, .predict = {}, .pull = settings.pull};
   Parameters parameters;
-  visitConstants(start, [&](float constant, double low, double high) {
+  visitConstants(start, settings.steps, [&](float constant, double low, double high) {
     parameters.push_back(double{constant});
     problem.low.push_back(low);
     problem.high.push_back(high);
   });
   problem.predict = [&](std::span<const double> tried, std::span<float> predicted) {
-    predict(rows, withParameters(start, tried), predicted);
+    predict(rows, withParameters(start, settings.steps, tried), predicted);
   };
-  return withParameters(start, fitRobustly(problem, std::move(parameters)));
+  return withParameters(start, settings.steps, fitRobustly(problem, std::move(parameters)));
 }
 
 /// Root mean square of a fit's error on rows.
@@ -133,7 +135,8 @@ std::vector<int> foldsOf(const std::vector<int>& groups) {
 }
 
 /// Error on what was left out, over all folds; negative without folds.
-double heldOutError(const CalibrationSamples& samples, const std::vector<int>& groups, const Estimator& start, double pull) {
+double heldOutError(const CalibrationSamples& samples, const std::vector<int>& groups, const Estimator& start,
+                    const FitSettings& settings) {
   const std::vector<int> folds = foldsOf(groups);
   if (folds.empty()) return -1.0;
   const std::size_t skyWeight = indexOf(samples, start.skyWeight);
@@ -141,7 +144,7 @@ double heldOutError(const CalibrationSamples& samples, const std::vector<int>& g
   for (int fold = 0; fold <= *std::max_element(folds.begin(), folds.end()); ++fold) {
     Rows kept{samples, skyWeight, {}}, leftOut{samples, skyWeight, {}};
     for (std::size_t row = 0; row < folds.size(); ++row) (folds[row] == fold ? leftOut : kept).rows.push_back(row);
-    const double error = errorOn(leftOut, fit(kept, start, pull));
+    const double error = errorOn(leftOut, fit(kept, start, settings));
     squares += error * error * static_cast<double>(leftOut.rows.size());
   }
   return std::sqrt(squares / static_cast<double>(folds.size()));
@@ -153,13 +156,11 @@ int idAfter(const std::vector<int>& ids) {
 
 void addPoint(const SkyField& field, const Estimator& estimator, const glm::vec3& up, const SurfacePoint& point,
               CalibrationSamples& samples) {
-  samples.normals.push_back(point.normal);
-  samples.ups.push_back(up);
   samples.sky.push_back(point.sky);
   for (std::size_t i = 0; i < samples.skyWeights.size(); ++i) {
     Estimator skewed = estimator;
     skewed.skyWeight = samples.skyWeights[i];
-    readTaps(field, skyEstimator(skewed, samples.resolution).value(), up, point, samples.phi[i]);
+    readTaps(field, skyEstimator(skewed, samples.resolution).value(), up, point, samples.readings[i]);
   }
 }
 
@@ -202,7 +203,7 @@ Result<Done> addSamples(const Device& device, const RuntimeScene& scene, std::sp
   auto made = makeFieldMaker(device, scene, samples.resolution);
   if (!made) return made.error();
   FieldMaker& maker = made.value();
-  samples.phi.resize(samples.skyWeights.size());
+  samples.readings.resize(samples.skyWeights.size());
   std::map<double, std::vector<const Reference*>> byTime;
   for (const Reference& reference : references) byTime[reference.info.time].push_back(&reference);
   Result<Done> done = Done{};
@@ -233,15 +234,10 @@ bool canCalibrate(std::string_view name) {
 
 Estimator withOwnConstants(Estimator estimator) {
   if (estimator.name == "cones" && !estimator.cones) estimator.cones.emplace();
-  if (!isCalibrated(estimator.name) || !estimator.weights.empty()) return estimator;
-  const CalibratedConstants own = ownConstants(estimator.taps);
-  const auto taps = static_cast<std::size_t>(estimator.taps);
-  if (own.weights.size() != taps) {
-    estimator.weights.assign(taps, 1.5f / static_cast<float>(taps));
-    return estimator;
-  }
-  estimator.weights = own.weights;
-  estimator.steps = own.steps;
+  if (!isCalibrated(estimator.name) || !estimator.steps.empty()) return estimator;
+  std::vector<SkyStep> own = ownSteps(estimator.taps);
+  if (own.front().weights.size() != static_cast<std::size_t>(estimator.taps)) return neutralStart(std::move(estimator), 1);
+  estimator.steps = std::move(own);
   return estimator;
 }
 
@@ -249,14 +245,15 @@ Estimator neutralStart(Estimator estimator, std::uint64_t seed) {
   if (!isCalibrated(estimator.name)) return withOwnConstants(std::move(estimator));
   std::mt19937 engine(static_cast<std::mt19937::result_type>(seed));
   const auto count = static_cast<std::size_t>(estimator.taps);
-  estimator.weights.assign(count, 0.1f);
+  const auto weight = [&] { return 4.0f * std::pow(chance(engine, 0.0f, 1.0f), 2.0f); };
   estimator.steps.clear();
-  for (std::size_t i = 0; i < kMostSkySteps; ++i) {
+  for (std::size_t i = 0; i < kSteps; ++i) {
     SkyStep& step = estimator.steps.emplace_back();
-    for (std::size_t tap = 0; tap < count; ++tap) step.weights.push_back(3.0f * std::pow(chance(engine, 0.0f, 1.0f), 2.0f));
-    step.start = chance(engine, -4.0f, 1.0f);
-    step.facing = chance(engine, -1.0f, 1.0f);
-    step.height = chance(engine, 0.2f, 0.6f);
+    for (std::size_t tap = 0; tap < count; ++tap) step.weights.push_back(weight());
+    for (std::size_t tap = 1; tap < count; ++tap) step.gaps.push_back(weight());
+    step.start = chance(engine, -4.0f, 0.0f);
+    step.slant = chance(engine, -1.0f, 1.0f);
+    step.height = chance(engine, 0.3f, 1.5f);
   }
   return estimator;
 }
@@ -265,23 +262,23 @@ double errorOn(const CalibrationSamples& samples, const Estimator& estimator) {
   return errorOn(Rows{samples, indexOf(samples, estimator.skyWeight), allRows(samples)}, estimator);
 }
 
-Calibration calibrate(const CalibrationSamples& samples, const Estimator& start, double pull) {
+Calibration calibrate(const CalibrationSamples& samples, const Estimator& start, const FitSettings& settings) {
   OVERCAST_REQUIRE(canCalibrate(start.name), "{} has no constants", start.name);
   Calibration made;
   made.startError = errorOn(samples, start);
   for (std::size_t i = 0; i < samples.skyWeights.size(); ++i) {
-    Estimator fitted = fit(Rows{samples, i, allRows(samples)}, start, pull);
+    Estimator fitted = fit(Rows{samples, i, allRows(samples)}, start, settings);
     fitted.fitError = errorOn(samples, fitted);
     if (i == 0 || fitted.fitError < made.estimator.fitError) made.estimator = std::move(fitted);
   }
   return made;
 }
 
-void crossValidate(const CalibrationSamples& samples, const Estimator& start, double pull, Calibration& made) {
+void crossValidate(const CalibrationSamples& samples, const Estimator& start, const FitSettings& settings, Calibration& made) {
   Estimator from = start;
   from.skyWeight = made.estimator.skyWeight;
-  made.framesError = heldOutError(samples, samples.frames, from, pull);
-  made.objectsError = heldOutError(samples, samples.objects, from, pull);
+  made.framesError = heldOutError(samples, samples.frames, from, settings);
+  made.objectsError = heldOutError(samples, samples.objects, from, settings);
   made.estimator.heldOutError = std::max(made.framesError, made.objectsError);
   judge(made);
 }
@@ -289,8 +286,9 @@ void crossValidate(const CalibrationSamples& samples, const Estimator& start, do
 Calibration calibrateScene(const CalibrationSamples& samples, const Estimator& start, const Estimator& present) {
   std::optional<Calibration> best;
   for (const double pull : kPulls) {
-    Calibration made = calibrate(samples, start, pull);
-    crossValidate(samples, start, pull, made);
+    const FitSettings settings{pull, FittedSteps::placed};
+    Calibration made = calibrate(samples, start, settings);
+    crossValidate(samples, start, settings, made);
     if (!best || made.estimator.heldOutError < best->estimator.heldOutError) best = std::move(made);
   }
   best->startError = errorOn(samples, present);

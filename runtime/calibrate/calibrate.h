@@ -15,14 +15,12 @@ namespace overcast {
 
 /// Surface points of one or more scenes with what an estimator reads there.
 struct CalibrationSamples {
-  int resolution = 128;                 ///< voxels along the longest side of the volumes that were read, the same for all
-  std::vector<float> skyWeights;        ///< for each: what is read with this Estimator::skyWeight
-  std::vector<std::vector<float>> phi;  ///< for each of them readingsOf values per point
-  std::vector<glm::vec3> normals;
-  std::vector<glm::vec3> ups;
-  std::vector<float> sky;    ///< the truth
-  std::vector<int> frames;   ///< equal where points are of the same scene and time
-  std::vector<int> objects;  ///< equal where points are of the same object, or of the same part of a large one
+  int resolution = 128;                      ///< voxels along the longest side of the volumes that were read, the same for all
+  std::vector<float> skyWeights;             ///< for each: what is read with this Estimator::skyWeight
+  std::vector<std::vector<float>> readings;  ///< for each of them readingsOf values per point
+  std::vector<float> sky;                    ///< the truth
+  std::vector<int> frames;                   ///< equal where points are of the same scene and time
+  std::vector<int> objects;                  ///< equal where points are of the same object, or of the same part of a large one
 };
 
 /// Adds at most `most` points of the references of `scene` (readReferences), as many from each, read as `estimator` reads with each of
@@ -34,12 +32,23 @@ Result<Done> addSamples(const Device& device, const RuntimeScene& scene, std::sp
 bool canCalibrate(std::string_view name);
 
 /// `estimator` with the program's own constants written out where it leaves them to it, ready to be fitted; of `calibrated` with a number
-/// of taps that the program has none for, equal weights and no steps.
+/// of taps that the program has none for, the neutral start.
 Estimator withOwnConstants(Estimator estimator);
 
-/// Constants to start from that say nothing yet, for fits that shall not depend on what the program has. Of `calibrated`: kMostSkySteps
-/// steps by chance; of others the program's.
+/// Constants to start from that say nothing yet, for fits that shall not depend on what the program has. Of `calibrated`: four steps
+/// by chance; of others the program's.
 Estimator neutralStart(Estimator estimator, std::uint64_t seed);
+
+/// What is fitted of the steps of `calibrated`.
+enum class FittedSteps {
+  whole,
+  placed,  ///< where open ground lies on them and how high they are: as much as a single scene tells
+};
+
+struct FitSettings {
+  double pull = 0.0;  ///< robust_fit.h
+  FittedSteps steps = FittedSteps::whole;
+};
 
 /// What came of a fit. Errors are RMSE of sky visibility over the points; negative: there was nothing to leave out.
 struct Calibration {
@@ -54,16 +63,17 @@ struct Calibration {
 double errorOn(const CalibrationSamples& samples, const Estimator& estimator);
 
 /// Fits from `start`, once with each of samples.skyWeights, and keeps the one of the least error. `start` is complete (withOwnConstants)
-/// and its skyWeight one of the samples'. `pull`: robust_fit.h.
-Calibration calibrate(const CalibrationSamples& samples, const Estimator& start, double pull);
+/// and its skyWeight one of the samples'.
+Calibration calibrate(const CalibrationSamples& samples, const Estimator& start, const FitSettings& settings);
 
 /// Fits again from `start` with what `made` found best, in up to five folds without frames and without objects, and fills in the errors on
 /// what was left out.
-void crossValidate(const CalibrationSamples& samples, const Estimator& start, double pull, Calibration& made);
+void crossValidate(const CalibrationSamples& samples, const Estimator& start, const FitSettings& settings, Calibration& made);
 
-/// Both for one scene, whose points may tell little about some constants: with weaker and stronger pulls towards `start`, of which that is
-/// kept that predicts best what was left out (where nothing can be left out, the strongest). `startError` and `better` are beside
-/// `present`, what the scene has now: started from something else than that, a second calibration finds the same and nothing better.
+/// Both for one scene, with FittedSteps::placed; its points may still tell little about some constants: with weaker and stronger pulls
+/// towards `start`, of which that is kept that predicts best what was left out (where nothing can be left out, the strongest). `startError`
+/// and `better` are beside `present`, what the scene has now: started from something else than that, a second calibration finds the same
+/// and nothing better.
 Calibration calibrateScene(const CalibrationSamples& samples, const Estimator& start, const Estimator& present);
 
 }  // namespace overcast

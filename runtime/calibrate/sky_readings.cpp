@@ -1,5 +1,6 @@
 #include "runtime/calibrate/sky_readings.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 
@@ -41,6 +42,53 @@ std::vector<std::size_t> surfaces(const Texels& texels, int depth) {
   return found;
 }
 
+/// What the taps of one place of the wide pattern miss, and the gaps between them.
+void readPlace(const SkyField& field, const SkyEstimator& estimator, const glm::vec3& p, const glm::mat3& frame, int place,
+               std::vector<float>& readings) {
+  const glm::vec3 turned = shared::tracedDirection(0, 1, place), direction = frame * turned;
+  const float end = shared::reachInVolume(p, direction, glm::vec3(field.levels[0].size));
+  std::vector<float> gaps;
+  float before = 0.0f, phiBefore = 0.0f;
+  for (std::size_t tap = 0; tap < estimator.taps.size(); ++tap) {
+    const float d = shared::calibratedDistance(estimator.taps[tap], place, end), phi = fieldAt(field, 0, p + d * direction);
+    readings.push_back(shared::shareMissing(phi, d, turned.z));
+    if (tap > 0) gaps.push_back(shared::gapMissing(phiBefore, before, phi, d, turned.z));
+    before = d;
+    phiBefore = phi;
+  }
+  readings.insert(readings.end(), gaps.begin(), gaps.end());
+}
+
+float meanOverPattern(const SkyEstimator& estimator, std::span<const float> readings) {
+  const std::size_t taps = estimator.taps.size();
+  float sum = 0.0f;
+  for (int n = 0; n < shared::kPointPlaces; ++n) {
+    std::array<glm::vec4, 2> missing{glm::vec4(0.0f), glm::vec4(0.0f)}, gaps = missing;
+    const auto own = readings.subspan(static_cast<std::size_t>(n) * (2 * taps - 1));
+    for (std::size_t tap = 0; tap < taps; ++tap) {
+      missing[tap / 4][static_cast<int>(tap % 4)] = own[tap];
+      if (tap > 0) gaps[(tap - 1) / 4][static_cast<int>((tap - 1) % 4)] = own[taps + tap - 1];
+    }
+    const float u = shared::tracedDirection(0, 1, shared::pointPlace(n)).z;
+    float exponent = 0.0f;
+    for (const shared::SkyStep& step : estimator.steps) exponent += shared::stepExponent(step, missing[0], missing[1], gaps[0], gaps[1], u);
+    sum += std::exp(-std::max(exponent, 0.0f));
+  }
+  return sum / static_cast<float>(shared::kPointPlaces);
+}
+
+float meanOverCones(const SkyEstimator& estimator, std::span<const float> phi) {
+  const std::size_t taps = estimator.taps.size();
+  float sum = 0.0f;
+  for (std::size_t cone = 0; cone < estimator.directions.size(); ++cone) {
+    float open = 1.0f;
+    for (std::size_t tap = 0; tap < taps; ++tap)
+      open = std::min(open, shared::coneOpenness(phi[cone * taps + tap], estimator.taps[tap].distance, glm::vec4(estimator.cone, 0.0f)));
+    sum += open;
+  }
+  return std::pow(sum / static_cast<float>(estimator.directions.size()), estimator.cone.z);
+}
+
 }  // namespace
 
 std::vector<SurfacePoint> surfacePoints(const Reference& reference, std::size_t most) {
@@ -65,42 +113,31 @@ std::vector<SurfacePoint> surfacePoints(const Reference& reference, std::size_t 
 }
 
 std::size_t readingsOf(const SkyEstimator& estimator) {
+  if (!estimator.steps.empty()) return shared::kPointPlaces * (2 * estimator.taps.size() - 1);
   return estimator.taps.size() * std::max<std::size_t>(1, estimator.directions.size());
 }
 
 void readTaps(const SkyField& field, const SkyEstimator& estimator, const glm::vec3& up, const SurfacePoint& point,
-              std::vector<float>& phi) {
+              std::vector<float>& readings) {
   const glm::vec3 p(voxelFromWorld(field.grid) * glm::dvec4(point.position, 1.0));
+  const glm::mat3 frame = shared::frameAbout(point.normal);
+  if (!estimator.steps.empty()) {
+    for (int n = 0; n < shared::kPointPlaces; ++n) readPlace(field, estimator, p, frame, shared::pointPlace(n), readings);
+    return;
+  }
   const auto along = [&](const glm::vec3& direction) {
-    for (const shared::SkyTap& tap : estimator.taps) phi.push_back(fieldAt(field, tap.level, p + tap.distance * direction));
+    for (const shared::SkyTap& tap : estimator.taps) readings.push_back(fieldAt(field, tap.level, p + tap.distance * direction));
   };
   if (estimator.directions.empty()) return along(shared::skewedNormal(point.normal, estimator.skyWeight * up));
-  const glm::mat3 frame = shared::frameAbout(point.normal);
   for (const glm::vec3& direction : estimator.directions) along(frame * direction);
 }
 
-float visibilityOf(const SkyEstimator& estimator, const glm::vec3& up, const glm::vec3& normal, std::span<const float> phi) {
-  const std::size_t taps = estimator.taps.size();
-  if (!estimator.directions.empty()) {
-    float sum = 0.0f;
-    for (std::size_t cone = 0; cone < estimator.directions.size(); ++cone) {
-      float open = 1.0f;
-      for (std::size_t tap = 0; tap < taps; ++tap)
-        open = std::min(open, shared::coneOpenness(phi[cone * taps + tap], estimator.taps[tap].distance, glm::vec4(estimator.cone, 0.0f)));
-      sum += open;
-    }
-    return std::pow(sum / static_cast<float>(estimator.directions.size()), estimator.cone.z);
-  }
-  const glm::vec4 skew(estimator.skyWeight * up, estimator.skyWeight);
-  std::array<glm::vec4, 2> missing{glm::vec4(0.0f), glm::vec4(0.0f)};
+float visibilityOf(const SkyEstimator& estimator, std::span<const float> readings) {
+  if (!estimator.steps.empty()) return meanOverPattern(estimator, readings);
+  if (!estimator.directions.empty()) return meanOverCones(estimator, readings);
   float exponent = 0.0f;
-  for (std::size_t tap = 0; tap < taps; ++tap) {
-    const float misses = shared::tapMissing(phi[tap], estimator.taps[tap].distance, skew.w);
-    exponent += estimator.taps[tap].weight * misses;
-    missing[tap / 4][static_cast<int>(tap % 4)] = misses;
-  }
-  const float turned = shared::turnedAway(shared::skewedNormal(normal, glm::vec3(skew)), skew);
-  for (const shared::SkyStep& step : estimator.steps) exponent += shared::stepExponent(step, missing[0], missing[1], turned);
+  for (std::size_t tap = 0; tap < estimator.taps.size(); ++tap)
+    exponent += estimator.taps[tap].weight * shared::tapMissing(readings[tap], estimator.taps[tap].distance, estimator.skyWeight);
   return shared::skyVisibility(exponent);
 }
 

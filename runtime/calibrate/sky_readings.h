@@ -26,12 +26,13 @@ std::vector<SurfacePoint> surfacePoints(const Reference& reference, std::size_t 
 /// How many values an estimator reads at a point.
 std::size_t readingsOf(const SkyEstimator& estimator);
 
-/// Appends them to `phi`: the taps in voxels, along the skewed normal or cone after cone. Not for traced cones, which choose where they
-/// read.
+/// Appends them to `readings`: the taps in voxels, along the skewed normal or cone after cone; of `calibrated`, for each place of the wide
+/// pattern, what the taps miss and then what the gaps between them do. Not for traced cones, which choose where they read.
 void readTaps(const SkyField& field, const SkyEstimator& estimator, const glm::vec3& up, const SurfacePoint& point,
-              std::vector<float>& phi);
+              std::vector<float>& readings);
 
-/// Sky visibility of a surface with the unit vector `normal` from these readings, as shade.comp.glsl makes it.
-float visibilityOf(const SkyEstimator& estimator, const glm::vec3& up, const glm::vec3& normal, std::span<const float> phi);
+/// Sky visibility of a surface from these readings, as shade.comp.glsl makes it; of `calibrated`, the mean
+/// over the pattern.
+float visibilityOf(const SkyEstimator& estimator, std::span<const float> readings);
 
 }  // namespace overcast

@@ -102,10 +102,10 @@ Estimator startOf(const Estimator& present) {
   return start;
 }
 
-/// Those that are tried, and the present one: cones have none, and of several scenes the constants are to go with the program's.
+/// Those that are tried, and the present one: only `published` has any, and of several scenes the constants are to go with the program's.
 std::vector<float> skyWeightsOf(const Options& options, const Job& job) {
   std::set<float> weights{job.start.skyWeight, job.present.skyWeight};
-  if (options.scenes.size() == 1 && job.start.name != "cones") weights.insert({0.25f, 0.375f, 0.5f});
+  if (options.scenes.size() == 1 && job.start.name == "published") weights.insert({0.25f, 0.375f, 0.5f});
   return {weights.begin(), weights.end()};
 }
 
@@ -143,10 +143,11 @@ std::size_t distinct(const Values& values) {
 
 /// The constants as runtime/passes/shade/calibrated_constants.cpp has them.
 std::string sourceOf(const Estimator& estimator) {
-  std::string text = fmt::format("{{{{{:.4g}}},\n {{", fmt::join(estimator.weights, ", "));
+  std::string text;
   for (const SkyStep& step : estimator.steps)
-    text += fmt::format("{{{{{:.4g}}}, {:.4g}, {:.4g}, {:.4g}}},\n  ", fmt::join(step.weights, ", "), step.start, step.facing, step.height);
-  return text + "}}\n";
+    text += fmt::format("{{{{{:.4g}}}, {{{:.4g}}}, {:.4g}, {:.4g}, {:.4g}}},\n", fmt::join(step.weights, ", "), fmt::join(step.gaps, ", "),
+                        step.start, step.slant, step.height);
+  return text;
 }
 
 std::string textOf(const Job& job, const Calibration& made) {
@@ -160,12 +161,11 @@ std::string textOf(const Job& job, const Calibration& made) {
   row("RMSE of the fit", estimator.fitError);
   row("RMSE of a fit without these frames", made.framesError);
   row("RMSE of a fit without these objects", made.objectsError);
-  text += fmt::format("  sky weight {:.4g}", estimator.skyWeight);
-  if (estimator.name == "published") return text + fmt::format(", k {:.4g}\n", estimator.k);
+  if (estimator.name == "published") return text + fmt::format("  sky weight {:.4g}, k {:.4g}\n", estimator.skyWeight, estimator.k);
   if (estimator.name == "cones")
-    return text + fmt::format(", spread {:.4g}, bias {:.4g}, power {:.4g}\n", estimator.cones->spread, estimator.cones->bias,
+    return text + fmt::format("  spread {:.4g}, bias {:.4g}, power {:.4g}\n", estimator.cones->spread, estimator.cones->bias,
                               estimator.cones->power);
-  return text + fmt::format(", weights {:.4g}, and {} steps\n", fmt::join(estimator.weights, " "), estimator.steps.size());
+  return text + fmt::format("  {} steps\n", estimator.steps.size());
 }
 
 std::string jsonOf(const Job& job, const Calibration& made, bool written) {
@@ -198,15 +198,15 @@ std::string writtenText(const Job& job, const Estimator& made) {
 /// The best of fits from several starts.
 Calibration fitCommon(const Job& job) {
   Estimator bestStart = job.start;
-  Calibration best = calibrate(job.samples, bestStart, kCommonPull);
+  Calibration best = calibrate(job.samples, bestStart, {kCommonPull});
   for (std::uint64_t seed = 2; seed <= kCommonStarts; ++seed) {
     const Estimator start = neutralStart(job.start, seed);
-    Calibration made = calibrate(job.samples, start, kCommonPull);
+    Calibration made = calibrate(job.samples, start, {kCommonPull});
     if (made.estimator.fitError >= best.estimator.fitError) continue;
     best = std::move(made);
     bestStart = start;
   }
-  crossValidate(job.samples, bestStart, kCommonPull, best);
+  crossValidate(job.samples, bestStart, {kCommonPull}, best);
   return best;
 }
 

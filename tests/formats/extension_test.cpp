@@ -96,11 +96,11 @@ TEST(Extension, ReadsBackBitForBit) {
     RC_ASSERT(again.estimator.k == made.estimator.k && again.estimator.skyWeight == made.estimator.skyWeight);
     RC_ASSERT(again.estimator.fitError == made.estimator.fitError);
     RC_ASSERT(again.estimator.heldOutError == made.estimator.heldOutError);
-    RC_ASSERT(again.estimator.weights == made.estimator.weights);
     RC_ASSERT(again.estimator.steps.size() == made.estimator.steps.size());
     for (std::size_t i = 0; i < made.estimator.steps.size(); ++i) {
       const SkyStep &is = again.estimator.steps[i], &was = made.estimator.steps[i];
-      RC_ASSERT(is.weights == was.weights && is.start == was.start && is.facing == was.facing && is.height == was.height);
+      RC_ASSERT(is.weights == was.weights && is.gaps == was.gaps && is.start == was.start);
+      RC_ASSERT(is.slant == was.slant && is.height == was.height);
     }
     RC_ASSERT(again.estimator.cones.has_value() == made.estimator.cones.has_value());
     if (made.estimator.cones) {
@@ -180,8 +180,7 @@ TEST(Extension, TheParserRefusesWhatTheSchemaRefusesAndNamesTheField) {
   lighting.areaLights[0].node = 2;
   lighting.estimator.fitError = lighting.estimator.heldOutError = 0.25;
   lighting.estimator.taps = 3;
-  lighting.estimator.weights = {0.5f, 0.0f, 1.0f};
-  lighting.estimator.steps = {{{0.25f, 1.0f, 0.0f}, -1.0f, 0.5f, 2.0f}};
+  lighting.estimator.steps = {{{0.25f, 1.0f, 0.0f}, {0.5f, 0.0f}, -1.0f, 0.5f, 2.0f}};
   expectAgreement(schema("OVERCAST_lighting"), parsed(lightingJson(lighting)), parseLighting);
   // Among these are occluders of all representations.
   for (std::uint64_t seed = 0; seed < 12; ++seed)
@@ -189,6 +188,12 @@ TEST(Extension, TheParserRefusesWhatTheSchemaRefusesAndNamesTheField) {
   for (std::uint64_t seed = 0; seed < 4; ++seed)
     expectAgreement(schema("OVERCAST_aperture"), parsed(apertureJson(test::randomApertureLink(seed))), parseAperture);
   expectAgreement(schema("OVERCAST_aperture_bake"), parsed(apertureBakeJson(test::randomApertureBake(1))), parseApertureBake);
+}
+
+TEST(Extension, WeightsOfAnOlderEstimatorAreRefused) {
+  Json lighting = parsed(lightingJson(test::randomLighting(1)));
+  lighting["estimator"]["weights"] = {0.5, 1.0, 0.0, 2.0};
+  EXPECT_THAT(errorOf(parseLighting, lighting), HasSubstr("x/estimator/weights: are of taps along one line"));
 }
 
 TEST(Extension, TheParserRefusesWhatASchemaCannotSay) {

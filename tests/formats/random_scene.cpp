@@ -191,14 +191,14 @@ Lighting lighting(Dice& dice) {
   estimator.skyWeight = dice.single(0, 1);
   if (dice.chance(0.5)) estimator.fitError = dice.real(0, 1);
   if (dice.chance(0.5)) estimator.heldOutError = dice.real(0, 1);
-  const auto weights = [&] {
-    std::vector<float> drawn(static_cast<std::size_t>(estimator.taps));
+  const auto weights = [&](int count) {
+    std::vector<float> drawn(static_cast<std::size_t>(count));
     for (float& weight : drawn) weight = dice.single(0, 3);
     return drawn;
   };
-  if (dice.chance(0.7)) estimator.weights = weights();
-  for (int i = estimator.weights.empty() ? 0 : dice.integer(0, static_cast<int>(kMostSkySteps)); i > 0; --i)
-    estimator.steps.push_back({weights(), dice.single(-3, 3), dice.single(-1, 1), dice.single(0, 2)});
+  for (int i = dice.integer(0, static_cast<int>(kMostSkySteps)); i > 0; --i)
+    estimator.steps.push_back(
+        {weights(estimator.taps), weights(estimator.taps - 1), dice.single(-3, 3), dice.single(-1, 1), dice.single(0, 2)});
   if (dice.chance(0.5)) estimator.cones = SkyCones{dice.integer(1, 16), dice.single(0.01f, 2), dice.single(0, 1), dice.single(0.1f, 2)};
   made.exposure = dice.single(0.1, 4);
   return made;

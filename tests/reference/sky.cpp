@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <numbers>
 
 #include <glm/geometric.hpp>
 
@@ -35,21 +36,44 @@ double publishedSky(const std::vector<Field>& levels, const glm::dvec3& point, c
   return std::pow(visibility, darkening / (darkening + 1.0 / 16.0));
 }
 
-double calibratedSky(const std::vector<Field>& levels, const glm::dvec3& point, const glm::dvec3& normal, const glm::dvec3& up,
-                     const std::vector<Tap>& taps, double alpha, const std::vector<Step>& steps) {
-  double e = 0.0;
-  std::vector<double> z;
-  for (const Step& step : steps) z.push_back(step.start + step.facing * alpha * (1.0 - glm::dot(normal, up)));
-  for (std::size_t i = 0; i < taps.size(); ++i) {
-    const Tap& tap = taps[i];
-    const double phi = continuedField(levels, tap.level, point + tap.distance * normal + tap.distance * alpha * up);
-    const double missing = ((1.0 + alpha) * tap.distance - phi) / tap.distance;
-    e += tap.weight * missing;
-    for (std::size_t s = 0; s < steps.size(); ++s) z[s] += steps[s].weights[i] * missing;
+double calibratedSky(const Field& field, const glm::dvec3& point, const glm::dvec3& normal, double first, const std::vector<Step>& steps,
+                     int stride) {
+  const glm::dvec3 axis(normal.z, 0.0, -normal.x);  // of the shortest turn from +y to the normal
+  const auto turn = [&](const glm::dvec3& v) {
+    const glm::dvec3 once = glm::cross(axis, v);
+    return v + once + glm::cross(axis, once) / (1.0 + normal.y);
+  };
+  const std::vector<Field> levels{field};
+  const std::size_t taps = steps.front().weights.size();
+  double sum = 0.0;
+  for (int n = stride / 2; n < 256; n += stride) {
+    const double squared = (91 * n % 256 + 0.5) / 256.0, angle = 2.0 * std::numbers::pi * n / 256.0, u = std::sqrt(1.0 - squared);
+    const glm::dvec3 direction = turn({std::sqrt(squared) * std::cos(angle), u, std::sqrt(squared) * std::sin(angle)});
+    double border = 1e9;
+    for (int side = 0; side < 3; ++side)
+      if (std::abs(direction[side]) > 1e-9)
+        border = std::min(border, ((direction[side] > 0.0 ? field.size[side] : 0.0) - point[side]) / direction[side]);
+    const double start = first * std::pow(2.0, 2.5 * ((165 * n % 256 + 0.5) / 256.0 - 0.5)), last = std::max(border, 8.0 * first);
+    std::vector<double> d, phi, e;
+    for (std::size_t i = 0; i < taps; ++i) {
+      d.push_back(std::min(start * std::pow(last / start, static_cast<double>(i) / static_cast<double>(taps - 1)), std::max(border, 1.0)));
+      phi.push_back(continuedField(levels, 0, point + d.back() * direction));
+    }
+    double exponent = 0.0;
+    for (const Step& step : steps) {
+      const double open = step.start + step.slant * (1.0 - u);
+      double z = open;
+      for (std::size_t i = 0; i < taps; ++i) z += step.weights[i] * std::max((u - phi[i] / d[i]) / (u + 0.05), -0.3);
+      for (std::size_t i = 0; i + 1 < taps; ++i) {
+        const double way = std::max(d[i + 1] - d[i], 0.1);
+        const double gap = 1.0 - (phi[i] + phi[i + 1]) / way, openGap = 1.0 - u * (d[i] + d[i + 1]) / way;
+        z += step.gaps[i] * (std::max(gap, -1.0) - std::max(openGap, -1.0));
+      }
+      exponent += step.height * (std::tanh(z) - std::tanh(open));
+    }
+    sum += std::exp(-std::max(exponent, 0.0));
   }
-  for (std::size_t s = 0; s < steps.size(); ++s)
-    e += steps[s].height * (z[s] / (1.0 + std::abs(z[s])) - steps[s].start / (1.0 + std::abs(steps[s].start)));
-  return e <= 0.0 ? 1.0 : std::exp(-e * e / (e + 1.0 / 16.0));
+  return sum * stride / 256.0;
 }
 
 double conesSky(const std::vector<Field>& levels, const glm::dvec3& point, const std::vector<glm::dvec3>& axes,

@@ -23,13 +23,16 @@ struct Tap {
 
 struct Step {
   std::vector<double> weights;  ///< of the taps
-  double start = 0.0, facing = 0.0, height = 0.0;
+  std::vector<double> gaps;     ///< between them
+  double start = 0.0, slant = 0.0, height = 0.0;
 };
 
-/// exp(-e^2 / (e + 1/16)) where e is positive, else 1: e = sum of weight g over the taps, g = ((1 + alpha) d - phi) / d, and for each step
-/// height (z / (1 + |z|) - start / (1 + |start|)), z = start + sum of weight g + facing alpha (1 - normal.up).
-double calibratedSky(const std::vector<Field>& levels, const glm::dvec3& point, const glm::dvec3& normal, const glm::dvec3& up,
-                     const std::vector<Tap>& taps, double alpha, const std::vector<Step>& steps = {});
+/// Mean of exp(-max(e, 0)) over every `stride`th of 256 directions about `normal`, the first being stride / 2. Direction n is at radius
+/// sqrt((91 n mod 256 + 1/2) / 256) and angle n / 256 of a turn of the disc below it, u is its cosine, and its taps lie in equal ratios
+/// from first 2^(2.5 ((165 n mod 256 + 1/2) / 256 - 1/2)) to the border of the field, as runtime/passes/shade/shade.h has it. e is the sum
+/// over steps of height (tanh z - tanh o), o = start + slant (1 - u), z = o + sum of weight g + sum of gap v.
+double calibratedSky(const Field& field, const glm::dvec3& point, const glm::dvec3& normal, double first, const std::vector<Step>& steps,
+                     int stride);
 
 /// Mean over `axes` of the least clamp(phi / (d spread) + bias, 0, 1), to a power; `cone`: spread, bias, power.
 double conesSky(const std::vector<Field>& levels, const glm::dvec3& point, const std::vector<glm::dvec3>& axes,

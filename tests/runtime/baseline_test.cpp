@@ -237,24 +237,31 @@ TEST(DenoiseFormulas, WidenedWindowsHoldEachPlaceOfTheWidePatternOnce) {
 TEST(DenoiseFormulas, WindowsWidenWhereLightChangesSlowlyAndByNoMoreThanNoise) {
   for (const int reach : {2, 4}) {
     const float near = 1.0f / (3.0f * static_cast<float>(reach * reach));  // and half of the rays meet something
-    EXPECT_EQ(shared::wideShare(0.5f, 0.5f, 0.5f * near, reach), 0.0f) << "what stands near";
-    EXPECT_EQ(shared::wideShare(0.5f, 0.5f, 0.25f * near, reach), 1.0f);
-    EXPECT_EQ(shared::wideShare(0.5f, 0.5f, 0.0f, reach), 1.0f);
-    EXPECT_EQ(shared::wideShare(1.0f, 1.0f, 0.0f, reach), 0.0f) << "nothing is hidden, nothing to find out";
-    EXPECT_EQ(shared::wideShare(0.5f, 0.4f, 0.0f, reach), 0.0f) << "an edge";
-    EXPECT_EQ(shared::wideShare(0.0f, 0.0f, 0.0f, reach), 1.0f) << "in the dark";
-    EXPECT_EQ(shared::wideShare(0.025f, 0.025f, 2.0f * near, reach), 1.0f) << "little light in a corner";
-    EXPECT_EQ(shared::wideShare(0.0f, 0.0f, 5.0f * near, reach), 0.0f) << "a contact shadow";
+    EXPECT_EQ(shared::wideShare(0.5f, 0.5f, 0.5f * near, reach, shared::kManySamples), 0.0f) << "what stands near";
+    EXPECT_EQ(shared::wideShare(0.5f, 0.5f, 0.25f * near, reach, shared::kManySamples), 1.0f);
+    EXPECT_EQ(shared::wideShare(0.5f, 0.5f, 0.0f, reach, shared::kManySamples), 1.0f);
+    EXPECT_EQ(shared::wideShare(1.0f, 1.0f, 0.0f, reach, shared::kManySamples), 0.0f) << "nothing is hidden, nothing to find out";
+    EXPECT_EQ(shared::wideShare(0.5f, 0.4f, 0.0f, reach, shared::kManySamples), 0.0f) << "an edge";
+    EXPECT_EQ(shared::wideShare(0.0f, 0.0f, 0.0f, reach, shared::kManySamples), 1.0f) << "in the dark";
+    EXPECT_EQ(shared::wideShare(0.025f, 0.025f, 2.0f * near, reach, shared::kManySamples), 1.0f) << "little light in a corner";
+    EXPECT_EQ(shared::wideShare(0.0f, 0.0f, 5.0f * near, reach, shared::kManySamples), 0.0f) << "a contact shadow";
   }
 }
 
 TEST(DenoiseFormulas, NeighboursCountInThePixelsPlaneOnly) {
   const glm::vec3 up(0, 1, 0);
-  EXPECT_NEAR(shared::surfaceWeight({1e-4f, 0, 0}, up, up), 1.0f, 1e-6f);
-  EXPECT_NEAR(shared::surfaceWeight({1e4f, 0, 0}, up, up), 1.0f, 1e-6f) << "at any scale";
-  EXPECT_EQ(shared::surfaceWeight({1, 0.25f, 0}, up, up), 0.0f);
-  EXPECT_EQ(shared::surfaceWeight({1, -0.25f, 0}, up, up), 0.0f);
-  EXPECT_EQ(shared::surfaceWeight({1, 0, 0}, up, {1, 0, 0}), 0.0f);
+  const glm::vec4 level = shared::kManySamples;
+  EXPECT_NEAR(shared::surfaceWeight({1e-4f, 0, 0}, up, up, level), 1.0f, 1e-6f);
+  EXPECT_NEAR(shared::surfaceWeight({1e4f, 0, 0}, up, up, level), 1.0f, 1e-6f) << "at any scale";
+  EXPECT_EQ(shared::surfaceWeight({1, 0.25f, 0}, up, up, level), 0.0f);
+  EXPECT_EQ(shared::surfaceWeight({1, -0.25f, 0}, up, up, level), 0.0f);
+  EXPECT_EQ(shared::surfaceWeight({1, 0, 0}, up, {1, 0, 0}, level), 0.0f);
+  // A bend of 30 degrees; an edge, and what stands before or behind.
+  const glm::vec3 bent(0.5f, 0.8660254f, 0);
+  EXPECT_EQ(shared::surfaceWeight({1, -0.25f, 0}, up, bent, level), 0.0f);
+  EXPECT_GT(shared::surfaceWeight({1, -0.25f, 0}, up, bent, shared::kFewSamples), 0.5f);
+  EXPECT_EQ(shared::surfaceWeight({1, 0, 0}, up, {1, 0, 0}, shared::kFewSamples), 0.0f);
+  EXPECT_EQ(shared::surfaceWeight({1, 0.6f, 0}, up, up, shared::kFewSamples), 0.0f);
 }
 
 TEST(RayFormulas, RaysLeaveCreasesAndAreStoppedByWalls) {

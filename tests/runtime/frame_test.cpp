@@ -69,7 +69,7 @@ TEST_F(Frames, MakeTheSameOfABorrowedVolume) {
 
 TEST_F(Frames, ReadTheVolumeItselfWithoutAPrefilter) {
   const fs::path file = writeBakedScene(temporaryFolder());
-  settings.estimator = "calibrated";
+  settings.estimator = "published";
   open(file, settings);
   EXPECT_GT(renderer.estimator.levels, 1);
   render(0.0);

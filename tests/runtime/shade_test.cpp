@@ -58,8 +58,7 @@ TEST(SkyEstimators, ReachAsFarAtAnyResolution) {
     for (std::size_t i = 0; i < coarse.taps.size(); ++i) {
       EXPECT_NEAR(fine.taps[i].distance, 2.0f * coarse.taps[i].distance, 1e-4f) << name;
       EXPECT_EQ(fine.taps[i].weight, coarse.taps[i].weight);
-      EXPECT_EQ(fine.taps[i].level,
-                coarse.directions.empty() && coarse.traced == 0 ? std::min(coarse.taps[i].level + 1, shared::kMaxPyramidLevels - 1) : 0);
+      EXPECT_EQ(fine.taps[i].level, 0);
     }
   }
 }
@@ -86,15 +85,16 @@ TEST(SkyEstimators, LightScenesAsTheirAperturesAllow) {
 TEST(SkyEstimators, KeepConstantsOfTheSameFormula) {
   Estimator fitted = named("calibrated");
   fitted.taps = 2;
-  fitted.weights = {1.0f, 2.0f};
+  fitted.steps = {{{1.0f, 2.0f}, {0.5f}, -1.0f, 0.0f, 1.0f}};
   fitted.skyWeight = 0.25f;
   const Estimator hybrid = withName(fitted, "hybrid"), traced = withName(fitted, "traced");
   EXPECT_EQ(hybrid.name, "hybrid");
-  EXPECT_EQ(hybrid.weights, fitted.weights);
+  ASSERT_EQ(hybrid.steps.size(), 1u);
+  EXPECT_EQ(hybrid.steps[0].weights, fitted.steps[0].weights);
   EXPECT_EQ(hybrid.skyWeight, 0.25f);
   EXPECT_EQ(traced.name, "traced");
   EXPECT_EQ(traced.taps, 2) << "for whoever asks for taps later";
-  EXPECT_TRUE(traced.weights.empty());
+  EXPECT_TRUE(traced.steps.empty());
   EXPECT_EQ(traced.skyWeight, Estimator{}.skyWeight);
 }
 
@@ -103,27 +103,27 @@ TEST(SkyEstimators, UnknownNamesAndWeightsAreRefused) {
   ASSERT_FALSE(refused.ok());
   EXPECT_NE(message(refused.error()).find("'magic'"), std::string::npos);
   for (const char* name : kEstimators) EXPECT_NE(message(refused.error()).find(name), std::string::npos) << "lists what there is";
-  Estimator calibrated = named("calibrated");
-  calibrated.weights = {1.0f, 2.0f};
-  EXPECT_FALSE(skyEstimator(calibrated, 128).ok());
-  EXPECT_TRUE(skyEstimator(withTaps(calibrated, 4), 128).ok()) << "other taps, the program's weights";
-  calibrated.taps = 2;
-  EXPECT_EQ(skyEstimator(calibrated, 128).value().taps[1].weight, 2.0f);
 }
 
-TEST(SkyEstimators, StepsGoWithWeights) {
+TEST(SkyEstimators, StepsGoWithTaps) {
   Estimator calibrated = named("calibrated");
   calibrated.taps = 2;
-  calibrated.weights = {1.0f, 2.0f};
-  calibrated.steps = {{{0.5f, 0.25f}, -1.0f, 0.5f, 2.0f}};
-  EXPECT_EQ(skyEstimator(calibrated, 128).value().steps.size(), 1u);
+  calibrated.steps = {{{0.5f, 0.25f}, {0.125f}, -1.0f, 0.5f, 2.0f}};
+  const SkyEstimator made = skyEstimator(calibrated, 128).value();
+  ASSERT_EQ(made.steps.size(), 1u);
+  ASSERT_EQ(made.taps.size(), 2u);
+  EXPECT_EQ(made.taps[0].weight, 0.0f);
+  EXPECT_EQ(made.taps[1].weight, 1.0f) << "the last is where a ray leaves the volume";
+  EXPECT_TRUE(takesTurns(made));
   EXPECT_TRUE(withTaps(calibrated, 4).steps.empty()) << "fitted to other taps";
-  calibrated.steps[0].weights.push_back(1.0f);
-  EXPECT_FALSE(skyEstimator(calibrated, 128).ok()) << "one weight too many";
-  calibrated.steps.assign(kMostSkySteps + 1, {{0.5f, 0.25f}});
+  calibrated.steps[0].gaps.push_back(1.0f);
+  EXPECT_FALSE(skyEstimator(calibrated, 128).ok()) << "one gap too many";
+  calibrated.steps[0].gaps.pop_back();
+  calibrated.taps = 3;
+  EXPECT_FALSE(skyEstimator(calibrated, 128).ok()) << "one weight too few";
+  calibrated.taps = 2;
+  calibrated.steps.assign(kMostSkySteps + 1, calibrated.steps[0]);
   EXPECT_FALSE(skyEstimator(calibrated, 128).ok()) << "one step too many";
-  calibrated.weights.clear();
-  EXPECT_FALSE(skyEstimator(calibrated, 128).ok()) << "steps alone";
 }
 
 TEST(SkyEstimators, OwnConstantsAreMonotoneAndOpenGroundIsOpen) {
@@ -134,22 +134,53 @@ TEST(SkyEstimators, OwnConstantsAreMonotoneAndOpenGroundIsOpen) {
     estimator.taps = taps;
     const SkyEstimator made = skyEstimator(estimator, 128).value();
     ASSERT_EQ(made.taps.size(), static_cast<std::size_t>(taps));
-    const auto sky = [&](const std::vector<float>& missing, const glm::vec3& normal) {
-      std::vector<float> phi;
-      for (std::size_t i = 0; i < missing.size(); ++i) phi.push_back(made.taps[i].distance * (1.0f + made.skyWeight - missing[i]));
-      return visibilityOf(made, glm::vec3(kUp), normal, phi);
+    const std::size_t each = 2 * made.taps.size() - 1;
+    // What the pattern makes of the same share of open ground at each tap, in every direction.
+    const auto sky = [&](const std::vector<float>& shares) {
+      std::vector<float> readings;
+      for (int n = 0; n < shared::kPointPlaces; ++n) {
+        const int place = shared::pointPlace(n);
+        const float u = shared::tracedDirection(0, 1, place).z;
+        std::vector<float> d, phi;
+        for (std::size_t i = 0; i < shares.size(); ++i) {
+          d.push_back(shared::calibratedDistance(made.taps[i], place, 90.0f));
+          phi.push_back(u * d[i] * shares[i]);
+        }
+        for (std::size_t i = 0; i < d.size(); ++i) readings.push_back(shared::shareMissing(phi[i], d[i], u));
+        for (std::size_t i = 0; i + 1 < d.size(); ++i) readings.push_back(shared::gapMissing(phi[i], d[i], phi[i + 1], d[i + 1], u));
+      }
+      EXPECT_EQ(readings.size(), shared::kPointPlaces * each);
+      return visibilityOf(made, readings);
     };
-    EXPECT_EQ(sky(std::vector<float>(made.taps.size(), 0.0f), glm::vec3(kUp)), 1.0f);
+    EXPECT_NEAR(sky(std::vector<float>(made.taps.size(), 1.0f)), 1.0f, 1e-5f);
+    EXPECT_LT(sky(std::vector<float>(made.taps.size(), 0.0f)), 0.05f) << "shut";
     for (int n = 0; n < 500; ++n) {
-      std::vector<float> missing;
-      for (std::size_t i = 0; i < made.taps.size(); ++i) missing.push_back(2.0f * chance(random) - 0.25f);
-      const glm::vec3 normal = glm::normalize(glm::vec3(chance(random) - 0.5f, chance(random) - 0.5f, chance(random) - 0.5f));
-      const float before = sky(missing, normal);
+      std::vector<float> shares;
+      for (std::size_t i = 0; i < made.taps.size(); ++i) shares.push_back(1.5f * chance(random) - 0.25f);
+      const float before = sky(shares);
       EXPECT_TRUE(before >= 0.0f && before <= 1.0f);
-      missing[static_cast<std::size_t>(n) % missing.size()] += chance(random);
-      EXPECT_LE(sky(missing, normal), before) << taps;
+      shares[static_cast<std::size_t>(n) % shares.size()] -= chance(random);
+      EXPECT_LE(sky(shares), before + 1e-6f) << taps;
     }
   }
+}
+
+TEST(SkyEstimators, CalibratedTapsEndWhereTheRayLeaves) {
+  Estimator estimator = named("calibrated");
+  estimator.taps = 4;
+  const SkyEstimator made = skyEstimator(estimator, 128).value();
+  for (const float end : {30.0f, 64.0f, 200.0f}) {
+    double starts = 0.0;
+    for (int place = 0; place < shared::kWidePatternSize; ++place) {
+      std::vector<float> d;
+      for (const shared::SkyTap& tap : made.taps) d.push_back(shared::calibratedDistance(tap, place, end));
+      EXPECT_NEAR(d[3], end, 1e-4f * end);
+      EXPECT_NEAR(d[1] / d[0], d[3] / d[2], 1e-3f * d[1] / d[0]) << "equal ratios";
+      starts += std::log2(d[0]) / shared::kWidePatternSize;
+    }
+    EXPECT_NEAR(starts, std::log2(made.taps[0].distance), 1e-4);
+  }
+  for (const shared::SkyTap& tap : made.taps) EXPECT_LE(shared::calibratedDistance(tap, 5, 2.5f), 2.5f) << "and never beyond";
 }
 
 TEST(SkyEstimators, ConesStandForEqualSharesOfTheCosine) {
@@ -219,7 +250,6 @@ TEST_F(Shade, OpenSurfacesHaveTheirClosedForm) {
 double referenceSky(const std::string& name, const std::vector<Field>& levels, const glm::dvec3& point, const SkyEstimator& made) {
   std::vector<reference::Tap> taps;
   for (const shared::SkyTap& tap : made.taps) taps.push_back({tap.distance, tap.weight, tap.level});
-  if (name == "calibrated") return reference::calibratedSky(levels, point, kUp, kUp, taps, made.skyWeight, test::stepsOf(made));
   if (name == "published") return reference::publishedSky(levels, point, kUp, kUp, Estimator{}.k, Estimator{}.skyWeight);
   std::vector<glm::dvec3> axes;
   for (const glm::vec3& axis : made.directions) axes.emplace_back(axis.x, axis.z, axis.y);  // about +y, side x and front z
@@ -229,15 +259,9 @@ double referenceSky(const std::string& name, const std::vector<Field>& levels, c
 TEST_F(Shade, AgreesWithBruteForceInDouble) {
   const auto corner = [](const glm::dvec3& p) { return std::min(p.y - kGround, p.x - 16.0); };
   const Field scenes[] = {test::groundCube(test::sphereOnGround), test::groundCube(corner)};
-  for (const std::string name : {"published", "calibrated", "cones"}) {
+  for (const std::string name : {"published", "cones"}) {
     Setting setting;
     setting.estimator = named(name.c_str());
-    if (name == "calibrated") {
-      setting.estimator.taps = 6;  // more than one vector's
-      setting.estimator.weights = {0.2f, 0.0f, 0.3f, 0.1f, 0.2f, 0.1f};
-      setting.estimator.steps = {{{0.5f, 0.0f, 0.25f, 0.0f, 0.5f, 0.25f}, -0.5f, 1.0f, 0.5f},
-                                 {{0.0f, 1.0f, 0.0f, 1.0f, 0.0f, 2.0f}, -2.0f, -0.5f, 1.0f}};
-    }
     const SkyEstimator made = skyEstimator(setting.estimator, kSide).value();
     for (const Field& field : scenes) {
       const std::vector<Pixel> pixels = shade(field, groundOnly, setting);
@@ -255,6 +279,35 @@ TEST_F(Shade, AgreesWithBruteForceInDouble) {
       EXPECT_LT(darkest, 0.6) << name << " has something to agree on";
     }
   }
+}
+
+TEST_F(Shade, APatternOfPixelsMakesTheMeanOverItsDirections) {
+  const auto corner = [](const glm::dvec3& p) { return std::min(p.y - kGround, p.x - 16.0); };
+  for (const int taps : {4, 6}) {
+    Setting setting;
+    setting.left = 24.0;
+    setting.right = 24.5;  // the whole pattern within an eighth of a voxel
+    setting.estimator = named("calibrated");
+    setting.estimator.taps = taps;
+    const SkyEstimator made = skyEstimator(setting.estimator, kSide).value();
+    for (const Field& field : {test::groundCube(test::sphereOnGround), test::groundCube(corner)}) {
+      const std::vector<Pixel> pixels = shade(field, groundOnly, setting);
+      for (std::size_t n = 12 * kSide + 12; n < 52 * kSide; n += 97) {
+        if (n % kSide < 12 || n % kSide >= 52) continue;  // the picture ends within the window
+        const glm::dvec2 at = test::column(n, setting);
+        const double expected = reference::calibratedSky(field, {at.x, kGround, at.y}, kUp, made.taps[0].distance, test::stepsOf(made), 1);
+        EXPECT_NEAR(pixels[n].sky, expected, 0.01) << n;
+        EXPECT_LT(expected, 0.9) << "something to agree on";
+      }
+    }
+  }
+}
+
+TEST_F(Shade, CalibratedLeavesOpenGroundOpen) {
+  Setting setting;
+  setting.estimator = named("calibrated");
+  for (const Pixel& pixel : shade(test::groundCube([](const glm::dvec3& p) { return p.y - kGround; }), groundOnly, setting))
+    EXPECT_NEAR(pixel.sky, 1.0f, 0.005f);
 }
 
 TEST_F(Shade, ACornerDarkensTowardsTheWall) {

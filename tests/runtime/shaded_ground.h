@@ -35,13 +35,13 @@ class ShadedGround : public DeviceTest {
     PyramidPass pyramid = makePyramidPass(device, volume, estimator.levels).value();
     GeometryImages images = uploadGround(device, ground, setting);
     GpuImage light = makeLightImage(device, images).value();
-    DenoisePass denoise = makeDenoisePass(device, images, light, {.wide = true}).value();
-    ShadePass pass = makeShadePass(device, images, estimator.traced > 0 ? denoise.raw : light, pyramid, estimator).value();
+    DenoisePass denoise = makeDenoisePass(device, images, light, {.wide = true, .few = !estimator.steps.empty()}).value();
+    ShadePass pass = makeShadePass(device, images, takesTurns(estimator) ? denoise.raw : light, pyramid, estimator).value();
     const ShadeView view{clipFromRelative(setting), setting.eye, setting.skyColour, glm::vec3(0, 1, 0)};
     const Result<Done> done = runCommands(device, [&](VkCommandBuffer commands) {
       recordPyramid(commands, pyramid);
       recordShade(commands, pass, setting.grid, view);
-      if (estimator.traced > 0) recordDenoise(commands, denoise, {view.clipFromRelative, view.eye, view.skyColour});
+      if (takesTurns(estimator)) recordDenoise(commands, denoise, {view.clipFromRelative, view.eye, view.skyColour});
     });
     EXPECT_TRUE(done.ok());
     std::vector<Pixel> pixels = readPixels(device, light);

@@ -71,7 +71,7 @@ TEST(ReportSweep, NamesWhatLightsTheScene) {
 TEST(ReportSweep, TakesSettingsAsTheyAreNamed) {
   Lighting own;
   own.estimator.taps = 4;
-  own.estimator.weights = {1.0f, 2.0f, 3.0f, 4.0f};
+  own.estimator.steps = {{{1.0f, 2.0f, 3.0f, 4.0f}, {0.5f, 0.25f, 0.0f}, -1.0f, 0.0f, 1.0f}};
   own.estimator.cones.emplace().directions = 16;
   for (const char* name : {"traced", "cones", "hybrid"}) {
     own.estimator.name = name;
@@ -88,9 +88,9 @@ TEST(ReportSweep, TakesSettingsAsTheyAreNamed) {
       }
     }
   }
-  EXPECT_EQ(lightingWith(own, {.estimator = "calibrated", .taps = 4, .resolution = 128}).estimator.weights, own.estimator.weights)
+  EXPECT_EQ(lightingWith(own, {.estimator = "calibrated", .taps = 4, .resolution = 128}).estimator.steps.size(), 1u)
       << "fitted for what a hybrid is made over";
-  EXPECT_TRUE(lightingWith(own, {.estimator = "published", .taps = 4, .resolution = 128}).estimator.weights.empty());
+  EXPECT_TRUE(lightingWith(own, {.estimator = "published", .taps = 4, .resolution = 128}).estimator.steps.empty());
 }
 
 TEST(ReportSweep, SaysWhatASmallerOneLeavesOut) {

@@ -23,6 +23,12 @@ const int kPatternSize = 16;
 const int kDenoiseReach = 2;  ///< pixels to either side
 const int kWidePatternSize = 256;
 
+/// Limits of what a pixel takes from others: the rise per unit of way and the cosine between normals from which they count nothing, how
+/// much four pixels two away may err, and how much farther than its square root times a window's reach things must be for the wider one.
+const vec4 kManySamples = vec4(0.2f, 0.8f, 0.27f, 3.0f);
+/// The same where a pixel has one sample, and misses each of the pattern that is left out: what bends counts, what has an edge does not.
+const vec4 kFewSamples = vec4(0.5f, 0.5f, 1.6f, 1.2f);
+
 struct DenoisePush {
   mat4 relativeFromClip;  //  0: positions relative to the eye from clip space, before the division by w
   vec4 sky;               // 64: rgb: linear radiance of the sky
@@ -44,11 +50,11 @@ OVERCAST_INLINE int widePatternPlace(ivec2 pixel) {
 
 /// How much of its visibility a pixel takes from four windows `reach` pixels to each side, 0 to 1, where it has `own`, their mean is
 /// `wider` and the rays that meet something do so 1 / `nearness` pixels away (the harmonic mean).
-OVERCAST_INLINE float wideShare(float own, float wider, float nearness, int reach) {
+OVERCAST_INLINE float wideShare(float own, float wider, float nearness, int reach, vec4 limits) {
   float squared = float(reach * reach);
   float dim = clamp(8.0f * own, 0.2f, 1.0f);  // light that is weak changes by less
-  float far = clamp((1.0f - own) / max(3.0f * squared * dim * nearness, 1.0e-6f) - 1.0f, 0.0f, 1.0f);
-  float noise = 0.27f / squared * sqrt(sqrt(max(wider * (1.0f - wider), 0.0f))) + 1.0e-4f;
+  float far = clamp((1.0f - own) / max(limits.w * squared * dim * nearness, 1.0e-6f) - 1.0f, 0.0f, 1.0f);
+  float noise = limits.z / squared * sqrt(sqrt(max(wider * (1.0f - wider), 0.0f))) + 1.0e-4f;
   return far * clamp(2.0f - abs(wider - own) / noise, 0.0f, 1.0f);
 }
 
@@ -57,12 +63,12 @@ OVERCAST_INLINE float windowWeight(int x, int y) {
   return (abs(x) == kDenoiseReach ? 0.5f : 1.0f) * (abs(y) == kDenoiseReach ? 0.5f : 1.0f);
 }
 
-/// Weight of a neighbour on the surface: `way` leads to it, unit normals. 1 in the pixel's plane, 0 where it rises by 0.2 or more per unit
-/// of way or turns away by more than 37 degrees.
-OVERCAST_INLINE float surfaceWeight(vec3 way, vec3 normal, vec3 itsNormal) {
+/// Weight of a neighbour on the surface: `way` leads to it, unit normals. 1 in the pixel's plane, 0 from either of the first two
+/// `limits` on.
+OVERCAST_INLINE float surfaceWeight(vec3 way, vec3 normal, vec3 itsNormal, vec4 limits) {
   float rise = abs(dot(way, normal));
-  float level = clamp(1.0f - rise * rise / (0.04f * dot(way, way) + 1.0e-30f), 0.0f, 1.0f);
-  return level * clamp((dot(normal, itsNormal) - 0.8f) * 5.0f, 0.0f, 1.0f);
+  float level = clamp(1.0f - rise * rise / (limits.x * limits.x * dot(way, way) + 1.0e-30f), 0.0f, 1.0f);
+  return level * clamp((dot(normal, itsNormal) - limits.y) / (1.0f - limits.y), 0.0f, 1.0f);
 }
 
 /// How much of what the guide has more at a pixel than in the mean of its window the pixel has more, too, [0, 1]: the regression of what is

@@ -18,9 +18,13 @@ constexpr std::uint32_t kSkyBinding = kFirstScreenBinding + 1;
 constexpr const char* kShader = "runtime/passes/denoise/denoise.comp.glsl";
 
 /// What the steps define, in their order.
-std::vector<std::vector<ShaderDefine>> stepsOf(bool wide) {
-  if (!wide) return {{{"OVERCAST_LAST", "1"}}};
-  return {{}, {{"OVERCAST_CORNERS", "2"}}, {{"OVERCAST_CORNERS", "4"}, {"OVERCAST_LAST", "1"}}};
+std::vector<std::vector<ShaderDefine>> stepsOf(const DenoiseSettings& settings) {
+  std::vector<std::vector<ShaderDefine>> steps{{}};
+  if (settings.wide) steps.insert(steps.end(), {{{"OVERCAST_CORNERS", "2"}}, {{"OVERCAST_CORNERS", "4"}}});
+  steps.back().push_back({"OVERCAST_LAST", "1"});
+  for (std::vector<ShaderDefine>& step : steps)
+    if (settings.few) step.push_back({"OVERCAST_FEW", "1"});
+  return steps;
 }
 
 /// A step from `from` into `into`; the last has the light of `sky`.
@@ -47,7 +51,7 @@ Result<Done> fill(const Device& device, const GeometryImages& images, const GpuI
     if (!made) return made.error();
     *image = std::move(made).value();
   }
-  const std::vector<std::vector<ShaderDefine>> steps = stepsOf(settings.wide);
+  const std::vector<std::vector<ShaderDefine>> steps = stepsOf(settings);
   for (std::size_t i = 0; i < steps.size(); ++i) {
     const bool last = i + 1 == steps.size();
     const GpuImage &from = i % 2 == 0 ? pass.raw : pass.other, &into = i % 2 == 0 ? pass.other : pass.raw;

@@ -17,6 +17,7 @@ struct DenoisePass {
 
 struct DenoiseSettings {
   bool wide = false;               ///< the pattern is that of 16x16
+  bool few = false;                ///< pixels have one sample each
   const GpuBuffer* sky = nullptr;  ///< a shared::SkyLight; null: the sky is uniform
 };
 

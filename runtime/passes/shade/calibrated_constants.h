@@ -7,12 +7,7 @@
 
 namespace overcast {
 
-struct CalibratedConstants {
-  std::vector<float> weights;  ///< as many as taps
-  std::vector<SkyStep> steps;
-};
-
-/// For 4 to 6 taps; of other numbers the nearest of these. They go with Estimator::skyWeight of 0.5.
-CalibratedConstants ownConstants(int taps);
+/// For 4 to 6 taps; of other numbers the nearest of these.
+std::vector<SkyStep> ownSteps(int taps);
 
 }  // namespace overcast

@@ -12,12 +12,13 @@ using shared::SkyConstants;
 
 static_assert(sizeof(shared::SkyTap) == 16 && offsetof(shared::SkyTap, level) == 8);
 static_assert(offsetof(SkyConstants, taps) == 16 && offsetof(SkyConstants, directions) == 144);
-static_assert(sizeof(shared::SkyStep) == 48 && offsetof(SkyConstants, steps) == 1168);
+static_assert(sizeof(shared::SkyStep) == 80 && offsetof(shared::SkyStep, shape) == 64 && offsetof(SkyConstants, steps) == 1168);
 
 Shader estimatorShader(std::string file, const SkyEstimator& estimator) {
   Shader shader{std::move(file), {{"OVERCAST_TAPS", fmt::format("{}", estimator.taps.size())}}};
   if (!estimator.directions.empty()) shader.defines.push_back({"OVERCAST_CONES", fmt::format("{}", estimator.directions.size())});
   if (!estimator.steps.empty()) shader.defines.push_back({"OVERCAST_STEPS", fmt::format("{}", estimator.steps.size())});
+  if (takesTurns(estimator)) shader.defines.push_back({"OVERCAST_TURNS", "1"});
   if (estimator.traced > 0) shader.defines.push_back({"OVERCAST_TRACED", fmt::format("{}", estimator.traced)});
   return shader;
 }

@@ -1,4 +1,4 @@
-// One thread per pixel: base colour times sky times sky visibility by the estimator of sky_visibility.glsl; with OVERCAST_TRACED a pixel's
+// One thread per pixel: base colour times sky times sky visibility by the estimator of sky_visibility.glsl; with OVERCAST_TURNS a pixel's
 // own share of visibility alone, of which the denoise pass makes light. OVERCAST_REST: what is left since the bake of apertures (rest.h).
 #version 460
 #include "runtime/passes/screen/screen.glsl"
@@ -17,7 +17,8 @@ layout(push_constant) uniform Push {
 layout(set = 0, binding = 14) uniform sampler2D restImage;
 #endif
 
-// What the estimator says at a pixel; of its own rays y: how near what they meet is (visibilityOfPlace), z: the guide of the denoise pass.
+// What the estimator says at a pixel; of its own directions y: how near what they meet is (visibilityOfPlace), z: the guide of the denoise
+// pass.
 vec3 visibilityOfPixel(ivec2 pixel, vec3 p, vec3 normal) {
 #ifdef OVERCAST_TRACED
   int sets = setsOfPixel(sharedWeight(push.voxelFromClip, pixel, imageSize(lightImage), p, normal));
@@ -26,6 +27,8 @@ vec3 visibilityOfPixel(ivec2 pixel, vec3 p, vec3 normal) {
   vec2 sum = vec2(0.0f);
   for (int i = 0; i < sets; ++i) sum += visibilityOfPlace(rays, (place + i * kWidePatternSize / sets) & (kWidePatternSize - 1));
   return vec3(sum / float(sets), guideOf(p, rays.frame));
+#elif defined(OVERCAST_TURNS)
+  return vec3(visibilityOfPlace(p, normal, widePatternPlace(pixel)), 0.0f);
 #else
   return vec3(visibility(p, normal, push.skew), 0.0f, 0.0f);
 #endif
@@ -51,7 +54,7 @@ void main() {
   if (!surfaceOfThread(push.voxelFromClip, pixel, p)) return;
   vec3 normal = texelFetch(normalImage, pixel, 0).xyz;
   vec4 seen = nowAndAtRest(pixel, p, normal);
-#ifdef OVERCAST_TRACED
+#ifdef OVERCAST_TURNS
   vec3 beside = pointOfPixel(push.voxelFromClip, pixel + ivec2(1, 0), imageSize(lightImage), texelFetch(depthImage, pixel, 0).r);
   imageStore(lightImage, pixel, vec4(seen.y * distance(p, beside), seen.w, seen.z, seen.x));
 #else

@@ -10,11 +10,15 @@
 //  * Round tops read more than open ground, because blurring a convex distance raises it: e < 0. A clamp there draws a line across them,
 //    so e eases into it, see easedExponent. An open wall, e = k alpha, gets its true half of the sky for the default k = 1.5, alpha = 0.5.
 //
-// `calibrated`: C = exp(-e) with g_i = f_i / d_i + alpha, which is 0 over open ground, of taps further apart, and
-//   e = sum w_i g_i + sum_j h_j (s(z_j) - s(b_j)),   z_j = b_j + sum w_ji g_i + c_j alpha (1 - N.U),   s(z) = z / (1 + |z|):
-// soft steps h_j, each across a plane through the taps, because what a far tap misses counts for more where the near ones miss something
-// too; one that faces down sees less than its taps tell. Weights and heights are not negative, so a surface is never brighter for a tap
-// that misses more, and C is in [0, 1]; open ground is exactly 1 with any of them.
+// `calibrated`: neighbours take turns with directions about the normal, and the denoise pass (denoise.h), widened, gives each
+// pixel the mean of all. A pixel looks along its direction u = N.D alone: taps at distances d_i that grow by one factor up to where the ray
+// leaves the volume, so that walls count as far off as the scene has any. Of the unfiltered field,
+//   g_i = (u - phi_i / d_i) / (u + 1/20)    what a tap misses of what open ground has, as a share,
+//   v_i = 1 - (phi_i + phi_i+1) / (d_i+1 - d_i)    what of the way between two taps no ball of free space covers, less that of open ground,
+//   C = exp(-e),   e = sum_j h_j (tanh z_j - tanh o_j),   z_j = o_j + sum w_ji g_i + sum x_ji v_i,   o_j = b_j + c_j (1 - u):
+// soft steps h_j, each across a plane through the taps, because a ray that passes close to something at one tap may be free, at two not.
+// Weights and heights are not negative, so a surface is never brighter for a tap that misses more, and C is in [0, 1]; open ground is
+// exactly 1 with any of them.
 // `cones`: C = (mean over cones of min_i clamp(phi(P + d_i c) / (d_i s) + b, 0, 1))^q, all taps of level 0.
 // `traced`: the share of rays that leave the volume (rays.h), so many in each pixel: neighbours take turns with 256 sets, and the
 // denoise pass (denoise.h), widened, gives each pixel the mean of all. Pixels whose neighbours lie on other surfaces take more sets. A ray
@@ -39,8 +43,8 @@ const int kMaxSteps = 8;
 
 /// One tap of the estimator, in voxels of the global volume.
 struct SkyTap {
-  float distance;  //  0: d_i
-  float weight;    //  4: of what is missing of it, in the exponent
+  float distance;  //  0: d_i; of `calibrated`, where its taps start
+  float weight;    //  4: of what is missing of it, in the exponent; of `calibrated`, how far out it is (calibratedDistance), 0 to 1
   int level;       //  8: of the pyramid
   int padding;     // 12
 };
@@ -49,7 +53,9 @@ struct SkyTap {
 struct SkyStep {
   vec4 nearWeights;  //  0: w_j1 to w_j4
   vec4 farWeights;   // 16: w_j5 to w_j8
-  vec4 shape;        // 32: x: b_j, y: c_j, z: h_j
+  vec4 nearGaps;     // 32: x_j1 to x_j4
+  vec4 farGaps;      // 48: x_j5 to x_j7
+  vec4 shape;        // 64: x: b_j, y: c_j, z: h_j
 };
 
 /// What does not change from frame to frame.
@@ -82,25 +88,46 @@ OVERCAST_INLINE float tapDistance(int tap) {
   return exp2(float(tap));
 }
 
-/// What a tap misses of what open ground has, as a share of d: f / d + alpha. 0 over open ground, 1 + alpha where it is shut.
+/// What a tap of `published` misses of what open ground has, as a share of d: f / d + alpha. 0 over open ground, 1 + alpha where it is
+/// shut.
 OVERCAST_INLINE float tapMissing(float phi, float d, float alpha) {
   return 1.0f + alpha - phi / d;
 }
 
-/// s(z), in (-1, 1).
+/// The distance of a tap of `calibrated`, in voxels along a ray that leaves the volume `end` from its start, at `place` of the wide pattern
+/// (0 to 255): places start up to 2.4 times nearer or further out than their mean. The last tap is where the ray leaves.
+OVERCAST_INLINE float calibratedDistance(SkyTap tap, int place, float end) {
+  float start = tap.distance * exp2(2.5f * ((float((165 * place) & 255) + 0.5f) / 256.0f - 0.5f));
+  return min(start * pow(max(end, 8.0f * tap.distance) / start, tap.weight), max(end, 1.0f));
+}
+
+/// g of a tap along a direction whose cosine to the normal is `u`: 0 over open ground, about 1 where it is shut. On round tops, which have
+/// more than open ground, down to -0.3.
+OVERCAST_INLINE float shareMissing(float phi, float d, float u) {
+  return max((u - phi / d) / (u + 0.05f), -0.3f);
+}
+
+/// v of two taps before what open ground has is taken off, as is told apart: -1 where the balls about them overlap by half or more.
+OVERCAST_INLINE float gapBetween(float both, float d, float next) {
+  return max(1.0f - both / max(next - d, 0.1f), -1.0f);
+}
+
+/// v of two taps that read `phi` and `nextPhi`.
+OVERCAST_INLINE float gapMissing(float phi, float d, float nextPhi, float next, float u) {
+  return gapBetween(phi + nextPhi, d, next) - gapBetween(u * (d + next), d, next);
+}
+
+/// tanh, for arguments of any size.
 OVERCAST_INLINE float softStep(float z) {
-  return z / (1.0f + abs(z));
+  return 1.0f - 2.0f / (exp(2.0f * clamp(z, -20.0f, 20.0f)) + 1.0f);
 }
 
-/// alpha (1 - N.U) of a skewed normal N'.
-OVERCAST_INLINE float turnedAway(vec3 skewed, vec4 skew) {
-  return skew.w + skew.w * skew.w - dot(skewed, vec3(skew));
-}
-
-/// What a step adds to the exponent where the taps miss `missing`, the first four and the others.
-OVERCAST_INLINE float stepExponent(SkyStep step, vec4 nearMissing, vec4 farMissing, float turned) {
-  float z = step.shape.x + dot(step.nearWeights, nearMissing) + dot(step.farWeights, farMissing) + step.shape.y * turned;
-  return step.shape.z * (softStep(z) - softStep(step.shape.x));
+/// What a step adds to the exponent where taps miss g and gaps v, the first four and the others.
+OVERCAST_INLINE float stepExponent(SkyStep step, vec4 nearMissing, vec4 farMissing, vec4 nearGaps, vec4 farGaps, float u) {
+  float open = step.shape.x + step.shape.y * (1.0f - u);
+  float z = open + dot(step.nearWeights, nearMissing) + dot(step.farWeights, farMissing) + dot(step.nearGaps, nearGaps) +
+            dot(step.farGaps, farGaps);
+  return step.shape.z * (softStep(z) - softStep(open));
 }
 
 /// How open a cone is at a tap.
@@ -142,6 +169,12 @@ OVERCAST_INLINE float guideOpenness(float phi, int tap) {
 OVERCAST_INLINE vec3 tracedDirection(int ray, int count, int place) {
   const float share = 0.0245436926f;  // of a whole turn
   return spiralDirection(ray, count, (float((91 * place) & 255) + 0.5f) / 256.0f, share * float(place));
+}
+
+/// Of the places of the wide pattern, those that stand for all at a point: 0 to 63.
+const int kPointPlaces = 64;
+OVERCAST_INLINE int pointPlace(int n) {
+  return 4 * n + 2;
 }
 
 /// How far from `p` along the unit vector `direction` the volume [0, size] begins; 0 inside it.

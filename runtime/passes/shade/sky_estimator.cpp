@@ -22,14 +22,8 @@ constexpr double kTapResolution = 128.0;
 /// Taps are nowhere nearer than so many voxels, which mesh and field agree on.
 constexpr float kNearestTap = 0.75f;
 
-/// Where taps start and how far the last one reaches, in voxels at kTapResolution, and how many levels above the one whose blur is that of
-/// `published` at this distance they read.
-struct Reach {
-  double first;
-  double last;
-  double coarser;
-};
-constexpr int kSharp = -shared::kMaxPyramidLevels;
+/// Where the taps of `calibrated` start, in voxels at kTapResolution.
+constexpr double kFirstTap = 2.0;
 
 /// The program's own number of traced rays.
 constexpr int kTracedRays = 8;
@@ -45,15 +39,13 @@ void addPublishedTaps(const Estimator& estimator, int resolution, SkyEstimator& 
   }
 }
 
-/// Taps without weights.
-std::vector<SkyTap> tapsWithin(int count, const Reach& reach, int resolution) {
+/// Taps of level 0 from `first` to `last` voxels at kTapResolution.
+std::vector<SkyTap> tapsWithin(int count, double first, double last, int resolution) {
   std::vector<SkyTap> taps;
-  const double ratio = count > 1 ? std::pow(reach.last / reach.first, 1.0 / (count - 1)) : 1.0;
+  const double ratio = count > 1 ? std::pow(last / first, 1.0 / (count - 1)) : 1.0;
   for (int tap = 0; tap < count; ++tap) {
-    const double voxels = reach.first * std::pow(ratio, tap) * resolution / kTapResolution;
-    const auto distance = std::max(static_cast<float>(voxels), kNearestTap);
-    const int level = static_cast<int>(std::lround(std::log2(distance) + reach.coarser));
-    taps.push_back({distance, 0.0f, std::clamp(level, 0, shared::kMaxPyramidLevels - 1), 0});
+    const double voxels = first * std::pow(ratio, tap) * resolution / kTapResolution;
+    taps.push_back({std::max(static_cast<float>(voxels), kNearestTap), 0.0f, 0, 0});
   }
   return taps;
 }
@@ -62,17 +54,20 @@ shared::SkyStep sharedStep(const SkyStep& step) {
   shared::SkyStep made{};
   for (int tap = 0; tap < static_cast<int>(step.weights.size()); ++tap)
     (tap < 4 ? made.nearWeights[tap] : made.farWeights[tap - 4]) = step.weights[static_cast<std::size_t>(tap)];
-  made.shape = glm::vec4(step.start, step.facing, step.height, 0.0f);
+  for (int gap = 0; gap < static_cast<int>(step.gaps.size()); ++gap)
+    (gap < 4 ? made.nearGaps[gap] : made.farGaps[gap - 4]) = step.gaps[static_cast<std::size_t>(gap)];
+  made.shape = glm::vec4(step.start, step.slant, step.height, 0.0f);
   return made;
 }
 
 void addCalibratedTaps(const Estimator& estimator, int resolution, SkyEstimator& made) {
-  CalibratedConstants constants{estimator.weights, estimator.steps};
-  if (constants.weights.empty()) constants = ownConstants(estimator.taps);
-  const auto count = static_cast<int>(constants.weights.size());
-  made.taps = tapsWithin(count, count <= 5 ? Reach{1.8, count <= 4 ? 44.0 : 45.0, 0.3} : Reach{1.7, 55.0, 0.6}, resolution);
-  for (std::size_t tap = 0; tap < constants.weights.size(); ++tap) made.taps[tap].weight = constants.weights[tap];
-  for (const SkyStep& step : constants.steps) made.steps.push_back(sharedStep(step));
+  const std::vector<SkyStep> steps = estimator.steps.empty() ? ownSteps(estimator.taps) : estimator.steps;
+  const std::size_t count = steps.front().weights.size();
+  for (std::size_t tap = 0; tap < count; ++tap) {
+    const float outward = count > 1 ? static_cast<float>(tap) / static_cast<float>(count - 1) : 0.0f;
+    made.taps.push_back({static_cast<float>(kFirstTap * resolution / kTapResolution), outward, 0, 0});
+  }
+  for (const SkyStep& step : steps) made.steps.push_back(sharedStep(step));
 }
 
 /// Directions that stand for equal shares of the cosine over the hemisphere about z: a spherical Fibonacci lattice, cosine-weighted.
@@ -90,11 +85,11 @@ void addCones(const Estimator& estimator, int resolution, SkyEstimator& made) {
   const SkyCones settings = estimator.cones.value_or(SkyCones{});
   made.directions = coneDirections(settings.directions);
   made.cone = {settings.spread, settings.bias, settings.power};
-  made.taps = tapsWithin(estimator.taps, {2.0, estimator.taps <= 4 ? 35.0 : 56.0, kSharp}, resolution);
+  made.taps = tapsWithin(estimator.taps, 2.0, estimator.taps <= 4 ? 35.0 : 56.0, resolution);
 }
 
-/// SkyEstimator::error: of `traced` between 0.01 and 0.08, of taps between 0.1 and 0.3.
-constexpr double kTracedError = 0.03, kTapsError = 0.2;
+/// SkyEstimator::error: of `traced` between 0.01 and 0.08, of `calibrated` between 0.02 and 0.15, of others between 0.1 and 0.3.
+constexpr double kTracedError = 0.03, kCalibratedError = 0.06, kTapsError = 0.2;
 
 constexpr std::string_view kHybrid = "hybrid", kCalibrated = "calibrated", kTraced = "traced", kCones = "cones";
 
@@ -128,17 +123,20 @@ int ownDirections(std::string_view name) {
   return base == kTraced ? kTracedRays : base == kCones ? SkyCones{}.directions : 0;
 }
 
+bool takesTurns(const SkyEstimator& estimator) {
+  return estimator.traced > 0 || !estimator.steps.empty();
+}
+
 Result<SkyEstimator> skyEstimator(const Estimator& estimator, int resolution) {
   const std::string& name = estimator.name;
   if (std::find(kEstimators.begin(), kEstimators.end(), name) == kEstimators.end())
     return Error{"", "estimator", fmt::format("unknown estimator '{}' (known: {})", name, fmt::join(kEstimators, ", "))};
-  if (!estimator.weights.empty() && estimator.weights.size() != static_cast<std::size_t>(estimator.taps))
-    return Error{"", "estimator", fmt::format("{} weights for {} taps", estimator.weights.size(), estimator.taps)};
+  if (estimator.steps.size() > kMostSkySteps)
+    return Error{"", "estimator", fmt::format("{} steps are more than {}", estimator.steps.size(), kMostSkySteps)};
   for (const SkyStep& step : estimator.steps)
-    if (step.weights.size() != estimator.weights.size() || estimator.steps.size() > kMostSkySteps)
+    if (step.weights.size() != static_cast<std::size_t>(estimator.taps) || step.gaps.size() + 1 != step.weights.size())
       return Error{"", "estimator",
-                   fmt::format("{} steps, one of {} weights, beside {} weights", estimator.steps.size(), step.weights.size(),
-                               estimator.weights.size())};
+                   fmt::format("a step of {} weights and {} gaps for {} taps", step.weights.size(), step.gaps.size(), estimator.taps)};
   const std::string_view base = baseOf(name);
   SkyEstimator made;
   made.skyWeight = estimator.skyWeight;
@@ -152,7 +150,7 @@ Result<SkyEstimator> skyEstimator(const Estimator& estimator, int resolution) {
   } else {
     addCalibratedTaps(estimator, resolution, made);
   }
-  made.error = base == kTraced ? kTracedError : kTapsError;
+  made.error = base == kTraced ? kTracedError : made.steps.empty() ? kTapsError : kCalibratedError;
   for (const SkyTap& tap : made.taps) made.levels = std::max(made.levels, tap.level + 1);
   return made;
 }
@@ -176,7 +174,6 @@ Estimator withName(Estimator estimator, std::string_view name) {
 Estimator withTaps(Estimator estimator, int taps) {
   if (taps == estimator.taps) return estimator;
   estimator.taps = taps;
-  estimator.weights.clear();
   estimator.steps.clear();
   estimator.fitError = estimator.heldOutError = -1.0;
   return estimator;

@@ -35,18 +35,21 @@ int ownDirections(std::string_view name);
 
 struct SkyEstimator {
   std::vector<shared::SkyTap> taps;    ///< 1 to shared::kMaxTaps
-  std::vector<shared::SkyStep> steps;  ///< of `calibrated`
+  std::vector<shared::SkyStep> steps;  ///< of `calibrated`; otherwise none
   std::vector<glm::vec3> directions;   ///< of cones; empty: along the skewed normal
   glm::vec3 cone{0.0f};                ///< spread, bias, power
-  int traced = 0;                      ///< rays of a pixel: recordDenoise must follow; 0: taps are read
+  int traced = 0;                      ///< rays of a pixel; 0: taps are read
   float skyWeight = 0.0f;              ///< alpha
   int levels = 1;                      ///< of the pyramid that taps read
   double error = 0.0;                  ///< root mean square of sky visibility, about, as measured on scenes of the project
 };
 
+/// Whether each pixel has only its share of what is to be seen: recordDenoise must follow.
+bool takesTurns(const SkyEstimator& estimator);
+
 /// The estimator at `resolution` voxels along the longest side; for a hybrid, what scenes without apertures get of it. Taps reach as far in
 /// the world at any resolution; of `published`, which starts one voxel away, each doubling above 128 adds one and each halving leaves one
-/// out. Of `calibrated` without weights of the scene there are 4 to 6. An Error lists the estimators we have, or says that there is not one
+/// out. Of `calibrated` without steps of the scene there are 4 to 6. An Error lists the estimators we have, or says that a step has not one
 /// weight for each tap.
 Result<SkyEstimator> skyEstimator(const Estimator& estimator, int resolution);
 
@@ -57,7 +60,7 @@ SkyEstimator unfiltered(SkyEstimator estimator);
 /// many taps.
 Estimator withName(Estimator estimator, std::string_view name);
 
-/// `taps` in place of the estimator's own: weights that were fitted to another number of taps give way to the program's.
+/// `taps` in place of the estimator's own: steps that were fitted to another number of taps give way to the program's.
 Estimator withTaps(Estimator estimator, int taps);
 
 }  // namespace overcast

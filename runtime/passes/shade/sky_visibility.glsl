@@ -1,7 +1,8 @@
 // Sky visibility at a point by the scene's estimator (shade.h), which is bindings 4 to 12:
 //   float visibility(vec3 p, vec3 normal, vec4 skew)   p in voxels, unit normal, ShadePush::skew
-// OVERCAST_TAPS taps of the estimator, along the skewed normal (with OVERCAST_STEPS soft steps) or along each of OVERCAST_CONES cones.
-// OVERCAST_TRACED: so many rays for each place of the pattern, of which a point takes a quarter; visibilityOfPlace has those of one.
+// OVERCAST_TAPS taps of the estimator, along the skewed normal or along each of OVERCAST_CONES cones.
+// OVERCAST_TURNS: visibilityOfPlace has what one place of the wide pattern sees, by OVERCAST_TRACED rays, of whose places a point takes a
+// quarter, or by taps along one direction and OVERCAST_STEPS soft steps, of whose places it takes kPointPlaces.
 #include "runtime/passes/shade/shade.h"
 
 // Levels that no tap reads repeat the last one.
@@ -170,21 +171,44 @@ float visibility(vec3 p, vec3 normal, vec4 skew) {
   }
   return pow(sum / float(OVERCAST_CONES), estimator.cone.z);
 }
+#elif defined(OVERCAST_STEPS)
+// Visibility along the direction of one place of the wide pattern, and one over how many voxels away is what it misses.
+vec2 visibilityOfPlace(vec3 p, vec3 normal, int place) {
+  vec3 turned = tracedDirection(0, 1, place);
+  vec3 direction = frameAbout(normal) * turned;
+  float end = reachInVolume(p, direction, vec3(textureSize(level0, 0)));
+  vec4 missing[2] = vec4[](vec4(0.0f), vec4(0.0f));
+  vec4 gaps[2] = vec4[](vec4(0.0f), vec4(0.0f));
+  vec2 before = vec2(0.0f);
+  float nearest = 0.0f;
+  for (int tap = 0; tap < OVERCAST_TAPS; ++tap) {
+    float d = calibratedDistance(estimator.taps[tap], place, end);
+    float phi = field(0, p + d * direction);
+    float misses = shareMissing(phi, d, turned.z);
+    missing[tap / 4][tap % 4] = misses;
+    if (tap > 0) gaps[(tap - 1) / 4][(tap - 1) % 4] = gapMissing(before.y, before.x, phi, d, turned.z);
+    nearest = max(nearest, misses / d);
+    before = vec2(d, phi);
+  }
+  float exponent = 0.0f;
+  for (int i = 0; i < OVERCAST_STEPS; ++i) exponent += stepExponent(estimator.steps[i], missing[0], missing[1], gaps[0], gaps[1], turned.z);
+  float open = exp(-max(exponent, 0.0f));
+  return vec2(open, (1.0f - open) * nearest);
+}
+
+float visibility(vec3 p, vec3 normal, vec4 skew) {
+  float sum = 0.0f;
+  for (int n = 0; n < kPointPlaces; ++n) sum += visibilityOfPlace(p, normal, pointPlace(n)).x;
+  return sum / float(kPointPlaces);
+}
 #else
 float visibility(vec3 p, vec3 normal, vec4 skew) {
   vec3 skewed = skewedNormal(normal, vec3(skew));
   float exponent = 0.0f;
-  vec4 missing[2] = vec4[](vec4(0.0f), vec4(0.0f));
   for (int tap = 0; tap < OVERCAST_TAPS; ++tap) {
     float d = estimator.taps[tap].distance;
-    float misses = tapMissing(field(estimator.taps[tap].level, p + d * skewed), d, skew.w);
-    exponent += estimator.taps[tap].weight * misses;
-    missing[tap / 4][tap % 4] = misses;
+    exponent += estimator.taps[tap].weight * tapMissing(field(estimator.taps[tap].level, p + d * skewed), d, skew.w);
   }
-#ifdef OVERCAST_STEPS
-  float turned = turnedAway(skewed, skew);
-  for (int i = 0; i < OVERCAST_STEPS; ++i) exponent += stepExponent(estimator.steps[i], missing[0], missing[1], turned);
-#endif
   return skyVisibility(exponent);
 }
 #endif
