@@ -211,6 +211,17 @@ TEST(DenoiseFormulas, EveryWindowHoldsEachPlaceOfThePatternOnce) {
     }
 }
 
+TEST(DenoiseFormulas, ThreadsOfAGroupTakeAllItsPixelsPlaceByPlace) {
+  std::array<int, 64> taken{};
+  for (int index = 0; index < 64; ++index) {
+    const glm::ivec2 pixel = shared::pixelInTurn(index);
+    ASSERT_TRUE(pixel.x >= 0 && pixel.x < 8 && pixel.y >= 0 && pixel.y < 8) << index;
+    EXPECT_EQ(shared::patternPlace(pixel), index / 4);
+    ++taken.at(static_cast<std::size_t>(8 * pixel.y + pixel.x));
+  }
+  for (const int count : taken) EXPECT_EQ(count, 1);
+}
+
 /// How often the window about a pixel holds each place of the wide pattern, as wide as steps `reach` and all before leave it.
 std::array<float, shared::kWidePatternSize> placesWithin(const glm::ivec2& pixel, int reach) {
   std::array<float, shared::kWidePatternSize> sums{};

@@ -41,6 +41,15 @@ OVERCAST_INLINE int patternPlace(ivec2 pixel) {
   return ((mixed & 1) << 3) | ((y & 1) << 2) | (mixed & 2) | (y >> 1);
 }
 
+/// The pixel of a group's 8x8 that thread `index` of the group takes, so that threads next to each other, which wait for each other, have
+/// sets that differ little: the four pixels of a place, and those of the next place.
+OVERCAST_INLINE ivec2 pixelInTurn(int index) {
+  int place = index >> 2;
+  int y = ((place & 1) << 1) | ((place >> 2) & 1);
+  int x = ((place & 2) | (place >> 3)) ^ y;
+  return ivec2(x + 4 * (index & 1), y + 2 * (index & 2));
+}
+
 /// Place of a pixel in the pattern of 16x16, 0 to 255, likewise.
 OVERCAST_INLINE int widePatternPlace(ivec2 pixel) {
   int mixed = pixel.x ^ pixel.y;

@@ -29,9 +29,9 @@ float clearRay(vec3 from, vec3 direction, vec2 start, float rise) {
 }
 
 void main() {
-  ivec2 pixel;
+  ivec2 pixel = 8 * ivec2(gl_WorkGroupID) + pixelInTurn(int(gl_LocalInvocationIndex));
   vec3 point;
-  if (!surfaceOfThread(push.voxelFromClip, pixel, point)) return;
+  if (!surfaceOfPixel(push.voxelFromClip, pixel, point)) return;
   vec3 normal = texelFetch(normalImage, pixel, 0).xyz;
   mat3 frame = frameAbout(normal);
   vec2 start = heightOfStart(point, normal);

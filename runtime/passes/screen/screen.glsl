@@ -18,9 +18,8 @@ vec3 pointOfPixel(mat4 fromClip, ivec2 pixel, ivec2 size, float depth) {
   return p.xyz / p.w;
 }
 
-// Whether this thread has a pixel with a surface, and where that is. A pixel without one is written.
-bool surfaceOfThread(mat4 fromClip, out ivec2 pixel, out vec3 point) {
-  pixel = ivec2(gl_GlobalInvocationID);
+// Whether there is a surface in a pixel, and where that is. A pixel without one is written.
+bool surfaceOfPixel(mat4 fromClip, ivec2 pixel, out vec3 point) {
   point = vec3(0.0f);
   ivec2 size = imageSize(lightImage);
   if (any(greaterThanEqual(pixel, size))) return false;
@@ -31,6 +30,12 @@ bool surfaceOfThread(mat4 fromClip, out ivec2 pixel, out vec3 point) {
   }
   point = pointOfPixel(fromClip, pixel, size, depth);
   return true;
+}
+
+// The same of the pixel that this thread has.
+bool surfaceOfThread(mat4 fromClip, out ivec2 pixel, out vec3 point) {
+  pixel = ivec2(gl_GlobalInvocationID);
+  return surfaceOfPixel(fromClip, pixel, point);
 }
 
 // Leaves a pixel with the light it receives (irradiance / pi) and its sky visibility.

@@ -49,9 +49,13 @@ vec4 nowAndAtRest(ivec2 pixel, vec3 p, vec3 normal) {
 }
 
 void main() {
-  ivec2 pixel;
+#ifdef OVERCAST_TRACED
+  ivec2 pixel = 8 * ivec2(gl_WorkGroupID) + pixelInTurn(int(gl_LocalInvocationIndex));
+#else
+  ivec2 pixel = ivec2(gl_GlobalInvocationID);
+#endif
   vec3 p;
-  if (!surfaceOfThread(push.voxelFromClip, pixel, p)) return;
+  if (!surfaceOfPixel(push.voxelFromClip, pixel, p)) return;
   vec3 normal = texelFetch(normalImage, pixel, 0).xyz;
   vec4 seen = nowAndAtRest(pixel, p, normal);
 #ifdef OVERCAST_TURNS
