@@ -80,7 +80,8 @@ Result<Done> makeTargets(const Device& device, FrameRenderer& renderer) {
   if (done) done = take(makeLightImage(device, targets.images), targets.light);
   if (done && takesTurns(renderer)) {
     const bool ours = settings.technique.technique == Technique::overcast;
-    const DenoiseSettings denoise{ours, ours && renderer.estimator.traced == 0, sky};
+    const int rays = renderer.estimator.traced;
+    const DenoiseSettings denoise{.wide = ours, .few = ours && rays == 0, .rays = std::max(rays, 1), .sky = sky};
     done = take(makeDenoisePass(device, targets.images, targets.light, denoise), targets.denoise.emplace());
   }
   const GpuImage& light = targets.denoise ? targets.denoise->raw : targets.light;

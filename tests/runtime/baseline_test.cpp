@@ -248,14 +248,17 @@ TEST(DenoiseFormulas, WidenedWindowsHoldEachPlaceOfTheWidePatternOnce) {
 TEST(DenoiseFormulas, WindowsWidenWhereLightChangesSlowlyAndByNoMoreThanNoise) {
   for (const int reach : {2, 4}) {
     const float near = 1.0f / (3.0f * static_cast<float>(reach * reach));  // and half of the rays meet something
-    EXPECT_EQ(shared::wideShare(0.5f, 0.5f, 0.5f * near, reach, shared::kManySamples), 0.0f) << "what stands near";
-    EXPECT_EQ(shared::wideShare(0.5f, 0.5f, 0.25f * near, reach, shared::kManySamples), 1.0f);
-    EXPECT_EQ(shared::wideShare(0.5f, 0.5f, 0.0f, reach, shared::kManySamples), 1.0f);
-    EXPECT_EQ(shared::wideShare(1.0f, 1.0f, 0.0f, reach, shared::kManySamples), 0.0f) << "nothing is hidden, nothing to find out";
-    EXPECT_EQ(shared::wideShare(0.5f, 0.4f, 0.0f, reach, shared::kManySamples), 0.0f) << "an edge";
-    EXPECT_EQ(shared::wideShare(0.0f, 0.0f, 0.0f, reach, shared::kManySamples), 1.0f) << "in the dark";
-    EXPECT_EQ(shared::wideShare(0.025f, 0.025f, 2.0f * near, reach, shared::kManySamples), 1.0f) << "little light in a corner";
-    EXPECT_EQ(shared::wideShare(0.0f, 0.0f, 5.0f * near, reach, shared::kManySamples), 0.0f) << "a contact shadow";
+    EXPECT_EQ(shared::wideShare(0.5f, 0.5f, 0.5f * near, reach, 8.0f, shared::kManySamples), 0.0f) << "what stands near";
+    EXPECT_EQ(shared::wideShare(0.5f, 0.5f, 0.25f * near, reach, 8.0f, shared::kManySamples), 1.0f);
+    EXPECT_EQ(shared::wideShare(0.5f, 0.5f, 0.0f, reach, 8.0f, shared::kManySamples), 1.0f);
+    EXPECT_EQ(shared::wideShare(1.0f, 1.0f, 0.0f, reach, 8.0f, shared::kManySamples), 0.0f) << "nothing is hidden, nothing to find out";
+    EXPECT_EQ(shared::wideShare(0.5f, 0.4f, 0.0f, reach, 8.0f, shared::kManySamples), 0.0f) << "an edge";
+    EXPECT_GT(shared::wideShare(0.5f, 0.48f, 0.0f, 4, 4.0f, shared::kManySamples),
+              shared::wideShare(0.5f, 0.48f, 0.0f, 4, 8.0f, shared::kManySamples))
+        << "fewer rays err more";
+    EXPECT_EQ(shared::wideShare(0.0f, 0.0f, 0.0f, reach, 8.0f, shared::kManySamples), 1.0f) << "in the dark";
+    EXPECT_EQ(shared::wideShare(0.025f, 0.025f, 2.0f * near, reach, 8.0f, shared::kManySamples), 1.0f) << "little light in a corner";
+    EXPECT_EQ(shared::wideShare(0.0f, 0.0f, 5.0f * near, reach, 8.0f, shared::kManySamples), 0.0f) << "a contact shadow";
   }
 }
 

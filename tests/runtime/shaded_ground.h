@@ -1,6 +1,7 @@
 // ShadedGround: what the shade pass makes of a ground and a field that tests know in closed form.
 #pragma once
 
+#include <algorithm>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -35,7 +36,9 @@ class ShadedGround : public DeviceTest {
     PyramidPass pyramid = makePyramidPass(device, volume, estimator.levels).value();
     GeometryImages images = uploadGround(device, ground, setting);
     GpuImage light = makeLightImage(device, images).value();
-    DenoisePass denoise = makeDenoisePass(device, images, light, {.wide = true, .few = !estimator.steps.empty()}).value();
+    DenoisePass denoise =
+        makeDenoisePass(device, images, light, {.wide = true, .few = !estimator.steps.empty(), .rays = std::max(estimator.traced, 1)})
+            .value();
     ShadePass pass = makeShadePass(device, images, takesTurns(estimator) ? denoise.raw : light, pyramid, estimator).value();
     const ShadeView view{clipFromRelative(setting), setting.eye, setting.skyColour, glm::vec3(0, 1, 0)};
     const Result<Done> done = runCommands(device, [&](VkCommandBuffer commands) {

@@ -35,7 +35,7 @@ vec4 denoised(ivec2 pixel, ivec2 size, vec3 point, vec3 normal) {
   // At an edge the pixel's own window lacks much of the pattern, and those further in do not.
   if (weights > 0.0f) mean = own + (mean - own) / weights;
 #endif
-  return mix(own, mean, wideShare(own.a, mean.a, own.r, OVERCAST_CORNERS, kLimits));
+  return mix(own, mean, wideShare(own.a, mean.a, own.r, OVERCAST_CORNERS, push.sky.w, kLimits));
 }
 #else
 vec4 denoised(ivec2 pixel, ivec2 size, vec3 point, vec3 normal) {

@@ -24,14 +24,15 @@ const int kDenoiseReach = 2;  ///< pixels to either side
 const int kWidePatternSize = 256;
 
 /// Limits of what a pixel takes from others: the rise per unit of way and the cosine between normals from which they count nothing, how
-/// much four pixels two away may err, and how much farther than its square root times a window's reach things must be for the wider one.
-const vec4 kManySamples = vec4(0.2f, 0.8f, 0.27f, 3.0f);
+/// much four pixels two away of one ray each may err, and how much farther than its square root times a window's reach things must be for
+/// the wider one.
+const vec4 kManySamples = vec4(0.2f, 0.8f, 1.28f, 3.0f);
 /// The same where a pixel has one sample, and misses each of the pattern that is left out: what bends counts, what has an edge does not.
 const vec4 kFewSamples = vec4(0.5f, 0.5f, 1.6f, 1.2f);
 
 struct DenoisePush {
   mat4 relativeFromClip;  //  0: positions relative to the eye from clip space, before the division by w
-  vec4 sky;               // 64: rgb: linear radiance of the sky
+  vec4 sky;               // 64: rgb: linear radiance of the sky; w: rays of a pixel, where the pattern is wide
 };
 
 /// Place of a pixel in the pattern, 0 to 15: a Bayer matrix, so that near pixels have far numbers.
@@ -58,12 +59,12 @@ OVERCAST_INLINE int widePatternPlace(ivec2 pixel) {
 }
 
 /// How much of its visibility a pixel takes from four windows `reach` pixels to each side, 0 to 1, where it has `own`, their mean is
-/// `wider` and the rays that meet something do so 1 / `nearness` pixels away (the harmonic mean).
-OVERCAST_INLINE float wideShare(float own, float wider, float nearness, int reach, vec4 limits) {
+/// `wider` and those of its `rays` that meet something do so 1 / `nearness` pixels away (the harmonic mean).
+OVERCAST_INLINE float wideShare(float own, float wider, float nearness, int reach, float rays, vec4 limits) {
   float squared = float(reach * reach);
   float dim = clamp(8.0f * own, 0.2f, 1.0f);  // light that is weak changes by less
   float far = clamp((1.0f - own) / max(limits.w * squared * dim * nearness, 1.0e-6f) - 1.0f, 0.0f, 1.0f);
-  float noise = limits.z / squared * sqrt(sqrt(max(wider * (1.0f - wider), 0.0f))) + 1.0e-4f;
+  float noise = limits.z / squared * sqrt(sqrt(max(wider * (1.0f - wider), 0.0f) / (rays * rays * rays))) + 1.0e-4f;
   return far * clamp(2.0f - abs(wider - own) / noise, 0.0f, 1.0f);
 }
 

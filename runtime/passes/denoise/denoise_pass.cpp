@@ -67,6 +67,7 @@ Result<Done> fill(const Device& device, const GeometryImages& images, const GpuI
 Result<DenoisePass> makeDenoisePass(const Device& device, const GeometryImages& images, const GpuImage& light,
                                     const DenoiseSettings& settings) {
   DenoisePass pass;
+  pass.rays = settings.rays;
   const Result<Done> filled = fill(device, images, light, settings, pass);
   if (filled) return pass;
   destroyDenoisePass(device, pass);
@@ -81,7 +82,7 @@ void destroyDenoisePass(const Device& device, DenoisePass& pass) {
 }
 
 void recordDenoise(VkCommandBuffer commands, const DenoisePass& pass, const ScreenView& view) {
-  const shared::DenoisePush push{glm::mat4(glm::inverse(view.clipFromRelative)), glm::vec4(view.skyColour, 0.0f)};
+  const shared::DenoisePush push{glm::mat4(glm::inverse(view.clipFromRelative)), glm::vec4(view.skyColour, static_cast<float>(pass.rays))};
   for (const ScreenPass& step : pass.steps) recordScreenPass(commands, step, push);
 }
 

@@ -13,11 +13,13 @@ struct DenoisePass {
                    ///< as blue
   GpuImage other;  ///< of a wide pattern: steps read one of the two and write the other
   std::vector<ScreenPass> steps;
+  int rays = 0;
 };
 
 struct DenoiseSettings {
   bool wide = false;               ///< the pattern is that of 16x16
   bool few = false;                ///< pixels have one sample each
+  int rays = 8;                    ///< of a pixel, where it is wide
   const GpuBuffer* sky = nullptr;  ///< a shared::SkyLight; null: the sky is uniform
 };
 
