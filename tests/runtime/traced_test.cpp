@@ -162,26 +162,6 @@ TEST_F(Traced, RaysFindNoWayOutOfAClosedRoom) {
   }
 }
 
-TEST_F(Traced, RaysStepOverNoThinWall) {
-  // A room of walls as thin as 0.6 voxels at any place between the samples, with nothing outside.
-  for (const double shift : {0.0, 0.25, 0.5, 0.75}) {
-    const auto room = [shift](const glm::dvec3& p) {
-      const glm::dvec3 half(20.0 + shift, 14.3, 17.0 + 0.7 * shift),
-          q = glm::abs(p - glm::dvec3(32.0, kGround + half.y - 0.3, 32.0)) - half;
-      const double outside = glm::length(glm::max(q, 0.0)), inside = std::max({q.x, q.y, q.z});
-      return std::abs(inside > 0.0 ? outside : inside) - 0.3;
-    };
-    Setting setting;
-    setting.left = 22.0;
-    setting.right = 42.0;
-    setting.estimator = named("traced");
-    double through = 0.0;
-    const std::vector<Pixel> pixels = shade(test::groundCube(room), groundOnly, setting);
-    for (const Pixel& pixel : pixels) through += pixel.sky / static_cast<double>(pixels.size());
-    EXPECT_LT(through, 0.002) << shift;
-  }
-}
-
 TEST(TracedFormulas, RaysPassThroughBallsAndNoFurther) {
   // Against small steps along the ray: what is clear ends where they leave the ball, or where it ended before if that is outside.
   std::mt19937 random(5);

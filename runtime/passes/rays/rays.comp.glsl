@@ -23,7 +23,7 @@ float clearRay(vec3 from, vec3 direction, vec2 start, float rise) {
     float phi = volumeAt(from + t * direction);
     if (rayHits(t, start.x + t * rise, phi, before)) return 0.0f;
     before = phi;
-    t += max(phi, 0.0f) + kRayBeyond;
+    t += max(phi, kRayShortest);
   }
   return t < reach ? 0.0f : 1.0f;
 }

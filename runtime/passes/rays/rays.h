@@ -29,9 +29,7 @@ const float kRayHit = 0.25f;
 /// Steps at most. The lowest ray of the sixteen sets of 64 rises 0.022 per voxel: over open ground it leaves a volume of 128 voxels after
 /// 114. A ray that is still there after all has hit: it creeps along a crease.
 const int kRaySteps = 128;
-/// Voxels that a step goes beyond what the field says is clear: a surface it passes by that still reads as hit. Rays that run along a
-/// surface or towards it take an eighth fewer steps.
-const float kRayBeyond = 0.2f;
+const float kRayShortest = 0.25f;  ///< voxels a step takes at least
 
 /// How much higher above the surface to start than at `height`, where the field is `phi`, voxels: at most two in each look.
 OVERCAST_INLINE float rayLift(float height, float phi) {

@@ -123,7 +123,7 @@ float meets(RayStart rays, vec3 direction) {
     float phi = sharpField(start + t * way);
     if (rayHits(t, rays.height.x + t * direction.z, phi, before)) return t;
     before = phi;
-    t += max(phi, 0.0f) + kRayBeyond;
+    t += max(phi, kRayShortest);
   }
   return t < end ? t : 0.0f;
 }
