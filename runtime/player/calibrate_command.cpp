@@ -119,7 +119,7 @@ std::optional<Failure> addScene(const Device& device, const Options& options, co
       const auto present = presentOf(options, path, scene);
       if (!present) return Failure{present.error(), ExitCode::unreadable};
       job.present = present.value();
-      job.start = options.scenes.size() > 1 ? neutralStart(job.present, 1) : startOf(job.present);
+      job.start = startOf(job.present);
       job.lighting = scene.lighting;
       job.apertures = hasApertures(scene);
       job.samples.resolution = scene.lighting.globalVolume.resolution;
@@ -195,25 +195,35 @@ std::string writtenText(const Job& job, const Estimator& made) {
   return text + "\n";
 }
 
-/// The best of fits from several starts.
-Calibration fitCommon(const Job& job) {
+/// Of one set for all scenes: the best fit, and the least error of those that knew nothing of the program's constants.
+struct CommonFit {
+  Calibration best;
+  double anew = -1.0;  ///< negative: there are no constants to find anew
+};
+
+/// Fits from the program's constants and from some that say nothing.
+CommonFit fitCommon(const Job& job) {
+  CommonFit common{calibrate(job.samples, job.start, {kCommonPull})};
   Estimator bestStart = job.start;
-  Calibration best = calibrate(job.samples, bestStart, {kCommonPull});
-  for (std::uint64_t seed = 2; seed <= kCommonStarts; ++seed) {
+  const double before = common.best.startError;
+  for (std::uint64_t seed = 1; !job.start.steps.empty() && seed <= kCommonStarts; ++seed) {
     const Estimator start = neutralStart(job.start, seed);
     Calibration made = calibrate(job.samples, start, {kCommonPull});
-    if (made.estimator.fitError >= best.estimator.fitError) continue;
-    best = std::move(made);
+    if (common.anew < 0.0 || made.estimator.fitError < common.anew) common.anew = made.estimator.fitError;
+    if (made.estimator.fitError >= common.best.estimator.fitError) continue;
+    common.best = std::move(made);
     bestStart = start;
   }
-  crossValidate(job.samples, bestStart, {kCommonPull}, best);
-  return best;
+  common.best.startError = before;
+  crossValidate(job.samples, bestStart, {kCommonPull}, common.best);
+  return common;
 }
 
 int finish(const Options& options, const Job& job) {
   if (options.scenes.size() > 1) {
-    const Calibration made = fitCommon(job);
-    printResult(options.json ? jsonOf(job, made, false) : textOf(job, made) + sourceOf(made.estimator));
+    const CommonFit made = fitCommon(job);
+    const std::string anew = made.anew < 0.0 ? "" : fmt::format("  RMSE of fits from nothing, at best   {:.4f}\n", made.anew);
+    printResult(options.json ? jsonOf(job, made.best, false) : textOf(job, made.best) + anew + sourceOf(made.best.estimator));
     return static_cast<int>(ExitCode::ok);
   }
   const Calibration made = calibrateScene(job.samples, job.start, job.present);
