@@ -93,7 +93,7 @@ const int kMostSets = 8;
 /// How many sets of samples a pixel takes whose window weighs `weight` on its surface, 1 to 16, so that at outlines and on thin or curved
 /// things, where few neighbours share theirs, there are about as many as on level ground.
 OVERCAST_INLINE int setsOfPixel(float weight) {
-  return clamp(int(float(kPatternSize) / weight + 0.5f), 1, kMostSets);
+  return clamp(int(floor(float(kPatternSize) / weight + 0.5f)), 1, kMostSets);
 }
 
 OVERCAST_SHARED_END
