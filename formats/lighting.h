@@ -26,7 +26,7 @@ struct AreaLight {
 };
 
 /// Cones of the estimators `cones` and `traced` (DESIGN 5.4). Of `cones` each is as open as the least of clamp(phi / (d spread) + bias)
-/// over its taps. `traced` has `directions` only: so many in each pixel, of sixteen times as many that neighbours share.
+/// over its taps. `traced` has `directions` only: so many in each pixel, of 256 times as many that neighbours share.
 struct SkyCones {
   int directions = 7;   ///< 1 to 64 for each pixel, over the hemisphere about the normal, each for the same share of the cosine
   float spread = 0.5f;  ///< above 0: width of a cone per distance

@@ -2,7 +2,7 @@
 //   float visibility(vec3 p, vec3 normal, vec4 skew)   p in voxels, unit normal, ShadePush::skew
 // OVERCAST_TAPS taps of the estimator, along the skewed normal or along each of OVERCAST_CONES cones.
 // OVERCAST_TURNS: visibilityOfPlace has what one place of the wide pattern sees, by OVERCAST_TRACED rays, of whose places a point takes a
-// quarter, or by taps along one direction and OVERCAST_STEPS soft steps, of whose places it takes kPointPlaces.
+// sixteenth, or by taps along one direction and OVERCAST_STEPS soft steps, of whose places it takes kPointPlaces.
 #include "runtime/passes/shade/shade.h"
 
 // Levels that no tap reads repeat the last one.
