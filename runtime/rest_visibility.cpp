@@ -179,26 +179,20 @@ bool has(const Kinds& kinds, RestKind kind) {
   return std::find(kinds.of.begin(), kinds.of.end(), kind) != kinds.of.end();
 }
 
-/// Whether objects of one mesh, each alone, look alike to the estimator but for where they stand in the grid: about as large, and, where
-/// it looks along normals that are skewed, upright in the same way.
-bool standAlike(const glm::dmat3& a, const glm::dmat3& b, const glm::dvec3& up, bool skewed) {
+/// Whether objects of one mesh, each alone, are about as large: they then look alike to what sees the same wherever they stand and however
+/// they are turned.
+bool standAlike(const glm::dmat3& a, const glm::dmat3& b) {
   const glm::dmat3 sizes = glm::transpose(a) * a, others = glm::transpose(b) * b;
   double most = 0.0, apart = 0.0;
   for (int c = 0; c < 3; ++c) {
     most = std::max(most, sizes[c][c]);
     for (int r = 0; r < 3; ++r) apart = std::max(apart, std::abs(sizes[c][r] - others[c][r]));
   }
-  if (!skewed) return apart <= kAlike * most;
-  const glm::dvec3 mine = glm::transpose(a) * up, theirs = glm::transpose(b) * up;
-  return apart <= kAlike * most && glm::dot(mine, theirs) >= (1.0 - 0.1 * kAlike) * glm::length(mine) * glm::length(theirs);
+  return apart <= kAlike * most;
 }
 
-/// Whether what the estimator says depends on how a surface stands to the sky.
-bool isSkewed(const SkyEstimator& estimator) {
-  return estimator.traced == 0 && estimator.directions.empty();
-}
-
-/// Whether it depends on where an object stands: taps up to the border of the volume are further apart where that is farther away.
+/// Whether what the estimator says depends on where an object stands: taps up to the border of the volume are further apart where that is
+/// farther away.
 bool reachesBorder(const SkyEstimator& estimator) {
   return !estimator.steps.empty();
 }
@@ -212,8 +206,7 @@ std::vector<std::size_t> firstAlike(const Job& job, const Kinds& kinds) {
     if (kinds.of[i] != RestKind::alone || reachesBorder(job.estimator)) continue;
     const auto alike = std::find_if(found.begin(), found.end(), [&](std::size_t j) {
       return objects[j].mesh == objects[i].mesh && objects[j].asset == objects[i].asset &&
-             standAlike(glm::dmat3(job.nodes[objects[j].node]), glm::dmat3(job.nodes[objects[i].node]), job.scene.lighting.up,
-                        isSkewed(job.estimator));
+             standAlike(glm::dmat3(job.nodes[objects[j].node]), glm::dmat3(job.nodes[objects[i].node]));
     });
     if (alike == found.end())
       found.push_back(i);
