@@ -17,11 +17,19 @@ layout(push_constant) uniform Push {
 layout(set = 0, binding = 14) uniform sampler2D restImage;
 #endif
 
+// How many sets of the pattern a pixel takes.
+int setsAt(ivec2 pixel, vec3 p, vec3 normal) {
+#ifdef OVERCAST_TRACED
+  return setsOfPixel(sharedWeight(push.voxelFromClip, pixel, imageSize(lightImage), p, normal));
+#else
+  return 1;
+#endif
+}
+
 // What the estimator says at a pixel; of its own directions y: how near what they meet is (visibilityOfPlace), z: the guide of the denoise
 // pass.
-vec3 visibilityOfPixel(ivec2 pixel, vec3 p, vec3 normal) {
+vec3 visibilityOfPixel(ivec2 pixel, int sets, vec3 p, vec3 normal) {
 #ifdef OVERCAST_TRACED
-  int sets = setsOfPixel(sharedWeight(push.voxelFromClip, pixel, imageSize(lightImage), p, normal));
   int place = widePatternPlace(pixel);
   RayStart rays = startOver(p, normal);
   vec2 sum = vec2(0.0f);
@@ -39,12 +47,13 @@ vec4 nowAndAtRest(ivec2 pixel, vec3 p, vec3 normal) {
 #ifdef OVERCAST_REST
   float trust = texelFetch(restImage, pixel, 0).g;
   if (restIsUnchanged(trust)) return vec4(1.0f, 0.0f, 1.0f, 1.0f);
-  vec4 seen = vec4(visibilityOfPixel(pixel, p, normal), 1.0f);
+  int sets = setsAt(pixel, p, normal);
+  vec4 seen = vec4(visibilityOfPixel(pixel, sets, p, normal), 1.0f);
   atRest = true;
-  if (restIsLookedUp(trust)) seen.w = visibilityOfPixel(pixel, p, normal).x;
+  if (restIsLookedUp(trust)) seen.w = visibilityOfPixel(pixel, sets, p, normal).x;
   return seen;
 #else
-  return vec4(visibilityOfPixel(pixel, p, normal), 1.0f);
+  return vec4(visibilityOfPixel(pixel, setsAt(pixel, p, normal), p, normal), 1.0f);
 #endif
 }
 
