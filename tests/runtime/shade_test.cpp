@@ -19,20 +19,15 @@
 #include "tests/runtime/sky_steps.h"
 #include "tests/runtime/support.h"
 
-namespace overcast {
+namespace overcast::test {
 namespace {
 
 using reference::Field;
-using test::groundOnly;
-using test::kGround;
-using test::named;
-using test::Pixel;
-using test::Surface;
 
-constexpr int kSide = test::kGroundSide;
+constexpr int kSide = kGroundSide;
 constexpr glm::dvec3 kUp{0, 1, 0};
 
-class Shade : public test::ShadedGround {};
+class Shade : public ShadedGround {};
 
 TEST(SkyEstimators, PublishedMeansTheSameAtAnyResolution) {
   for (const auto& [resolution, count] : {std::pair{32, 3}, {64, 4}, {128, 5}, {256, 6}}) {
@@ -229,7 +224,7 @@ TEST_F(Shade, OpenSurfacesHaveTheirClosedForm) {
   const std::vector<std::pair<glm::dvec3, double>> cases{
       {{0, 1, 0}, 1.0}, {{1, 0, 0}, eased(k * alpha)}, {{0, -1, 0}, eased(k * 2.0 * alpha)}, {{0.6, 0.8, 0}, eased(k * alpha * 0.2)}};
   for (const auto& [normal, expected] : cases) {
-    const Field half = test::groundCube([&n = normal](const glm::dvec3& p) { return glm::dot(p - glm::dvec3(32), n); });
+    const Field half = groundCube([&n = normal](const glm::dvec3& p) { return glm::dot(p - glm::dvec3(32), n); });
     Setting setting;
     setting.left = 31;
     setting.right = 33;
@@ -258,7 +253,7 @@ double referenceSky(const std::string& name, const std::vector<Field>& levels, c
 
 TEST_F(Shade, AgreesWithBruteForceInDouble) {
   const auto corner = [](const glm::dvec3& p) { return std::min(p.y - kGround, p.x - 16.0); };
-  const Field scenes[] = {test::groundCube(test::sphereOnGround), test::groundCube(corner)};
+  const Field scenes[] = {groundCube(sphereOnGround), groundCube(corner)};
   for (const std::string name : {"published", "cones"}) {
     Setting setting;
     setting.estimator = named(name.c_str());
@@ -268,7 +263,7 @@ TEST_F(Shade, AgreesWithBruteForceInDouble) {
       const std::vector<Field> levels = reference::pyramid(field, made.levels);
       double worst = 0.0, darkest = 1.0;
       for (std::size_t n = 0; n < pixels.size(); n += 3) {
-        const glm::dvec2 at = test::column(n, setting);
+        const glm::dvec2 at = column(n, setting);
         const double expected = referenceSky(name, levels, {at.x, kGround, at.y}, made);
         worst = std::max(worst, std::abs(pixels[n].sky - expected));
         darkest = std::min(darkest, expected);
@@ -290,12 +285,12 @@ TEST_F(Shade, APatternOfPixelsMakesTheMeanOverItsDirections) {
     setting.estimator = named("calibrated");
     setting.estimator.taps = taps;
     const SkyEstimator made = skyEstimator(setting.estimator, kSide).value();
-    for (const Field& field : {test::groundCube(test::sphereOnGround), test::groundCube(corner)}) {
+    for (const Field& field : {groundCube(sphereOnGround), groundCube(corner)}) {
       const std::vector<Pixel> pixels = shade(field, groundOnly, setting);
       for (std::size_t n = 12 * kSide + 12; n < 52 * kSide; n += 97) {
         if (n % kSide < 12 || n % kSide >= 52) continue;  // the picture ends within the window
-        const glm::dvec2 at = test::column(n, setting);
-        const double expected = reference::calibratedSky(field, {at.x, kGround, at.y}, kUp, made.taps[0].distance, test::stepsOf(made), 1);
+        const glm::dvec2 at = column(n, setting);
+        const double expected = reference::calibratedSky(field, {at.x, kGround, at.y}, kUp, made.taps[0].distance, stepsOf(made), 1);
         EXPECT_NEAR(pixels[n].sky, expected, 0.01) << n;
         EXPECT_LT(expected, 0.9) << "something to agree on";
       }
@@ -306,12 +301,12 @@ TEST_F(Shade, APatternOfPixelsMakesTheMeanOverItsDirections) {
 TEST_F(Shade, CalibratedLeavesOpenGroundOpen) {
   Setting setting;
   setting.estimator = named("calibrated");
-  for (const Pixel& pixel : shade(test::groundCube([](const glm::dvec3& p) { return p.y - kGround; }), groundOnly, setting))
+  for (const Pixel& pixel : shade(groundCube([](const glm::dvec3& p) { return p.y - kGround; }), groundOnly, setting))
     EXPECT_NEAR(pixel.sky, 1.0f, 0.005f);
 }
 
 TEST_F(Shade, ACornerDarkensTowardsTheWall) {
-  const Field corner = test::groundCube([](const glm::dvec3& p) { return std::min(p.y - kGround, p.x - 16.0); });
+  const Field corner = groundCube([](const glm::dvec3& p) { return std::min(p.y - kGround, p.x - 16.0); });
   const std::vector<Pixel> pixels = shade(corner, groundOnly, {});
   // Ground at least as far from the wall as the taps and their filters reach (8 * 1.5 voxels, level 3's kernel 12 more) is open.
   for (std::size_t i = 17; i < 52; ++i) EXPECT_GE(pixels[32 * kSide + i].sky, pixels[32 * kSide + i - 1].sky - 0.004f) << "column " << i;
@@ -321,7 +316,7 @@ TEST_F(Shade, ACornerDarkensTowardsTheWall) {
 
 /// The picture test of contact shadows: fails when they vanish.
 TEST_F(Shade, ASphereShadowsTheGroundDarkestBelowItAndLessOutward) {
-  const std::vector<Pixel> pixels = shade(test::groundCube(test::sphereOnGround), groundOnly, {});
+  const std::vector<Pixel> pixels = shade(groundCube(sphereOnGround), groundOnly, {});
   const auto along = [&](int dx, int dz) {
     std::vector<float> ray;
     for (int step = 0; step < 31; ++step) ray.push_back(pixels[static_cast<std::size_t>((32 + dz * step) * kSide + 32 + dx * step)].sky);
@@ -338,7 +333,7 @@ TEST_F(Shade, ASphereShadowsTheGroundDarkestBelowItAndLessOutward) {
 }
 
 TEST_F(Shade, DoesNotDependOnScaleOrPlace) {
-  const Field field = test::groundCube(test::sphereOnGround);
+  const Field field = groundCube(sphereOnGround);
   const std::vector<Pixel> expected = shade(field, groundOnly, {});
   for (const double scale : {1e-4, 1e4})
     for (const double shift : {0.0, 1e5}) {
@@ -357,9 +352,9 @@ TEST_F(Shade, NoStreaksBeyondTheVolume) {
   setting.left = -32;
   setting.right = 96;
   const auto nearBorder = [](const glm::dvec3& p) {
-    return std::min(p.y - kGround, test::sphereDistance(p - glm::dvec3(48, kGround + 10, 32), 14.0));
+    return std::min(p.y - kGround, sphereDistance(p - glm::dvec3(48, kGround + 10, 32), 14.0));
   };
-  const std::vector<Pixel> pixels = shade(test::groundCube(nearBorder), groundOnly, setting);
+  const std::vector<Pixel> pixels = shade(groundCube(nearBorder), groundOnly, setting);
   for (std::size_t j = 0; j < kSide; j += 7)
     for (std::size_t i = 49; i + 1 < kSide; ++i)
       ASSERT_GE(pixels[j * kSide + i + 1].sky, pixels[j * kSide + i].sky - 0.01f) << i << " " << j;
@@ -368,8 +363,8 @@ TEST_F(Shade, NoStreaksBeyondTheVolume) {
 
 TEST_F(Shade, NothingBadComesOfBadInput) {
   const float nan = std::numeric_limits<float>::quiet_NaN();
-  const Field empty = test::groundCube([](const glm::dvec3&) { return 65504.0; });
-  const Field inside = test::groundCube([](const glm::dvec3&) { return -65504.0; });
+  const Field empty = groundCube([](const glm::dvec3&) { return 65504.0; });
+  const Field inside = groundCube([](const glm::dvec3&) { return -65504.0; });
   const auto bad = [nan](double x, double z) {
     if (x < 8) return Surface{0.0, {0, 1, 0}};
     return Surface{z < 32 ? 30.0 : 64.0, x < 24 ? glm::vec3(0.0f) : x < 40 ? glm::vec3(nan) : glm::vec3(0, 1, 0)};
@@ -385,4 +380,4 @@ TEST_F(Shade, NothingBadComesOfBadInput) {
 }
 
 }  // namespace
-}  // namespace overcast
+}  // namespace overcast::test

@@ -9,20 +9,15 @@
 #include "runtime/passes/shade/shade.h"
 #include "tests/runtime/shaded_ground.h"
 
-namespace overcast {
+namespace overcast::test {
 namespace {
 
 using reference::Field;
-using test::groundOnly;
-using test::kGround;
-using test::named;
-using test::Pixel;
-using test::Surface;
 
-constexpr int kSide = test::kGroundSide;
+constexpr int kSide = kGroundSide;
 constexpr glm::dvec3 kUp{0, 1, 0};
 
-class Traced : public test::ShadedGround {};
+class Traced : public ShadedGround {};
 
 TEST_F(Traced, RaysFindTheFormFactorOfASphere) {
   // A sphere of radius R about c takes (R / |c - p|)^2 of the sky of a point p, times the cosine, where all of it is above the horizon.
@@ -31,14 +26,14 @@ TEST_F(Traced, RaysFindTheFormFactorOfASphere) {
   setting.left = 0.5 * kSide;  // two pixels for each voxel: the mean over a pattern of them is half as wide
   setting.right = kSide;
   setting.estimator = named("traced");
-  const std::vector<Pixel> pixels = shade(test::groundCube(test::sphereOnGround), groundOnly, setting);
+  const std::vector<Pixel> pixels = shade(groundCube(sphereOnGround), groundOnly, setting);
   double squares = 0.0, worst = 0.0;
   int count = 0;
   for (std::size_t n = 0; n < pixels.size(); ++n) {
-    const glm::dvec2 at = test::column(n, setting) - glm::dvec2(0.5 * kSide);
+    const glm::dvec2 at = column(n, setting) - glm::dvec2(0.5 * kSide);
     if (glm::length(at) < 4.0 || glm::length(at) > 30.0) continue;  // nearer, the horizon cuts it
-    const double height = test::kSphereRadius - shared::kRayStart, distance = std::hypot(glm::length(at), height);
-    const double expected = 1.0 - std::pow((test::kSphereRadius + shared::kRayHit) / distance, 2.0) * height / distance;
+    const double height = kSphereRadius - shared::kRayStart, distance = std::hypot(glm::length(at), height);
+    const double expected = 1.0 - std::pow((kSphereRadius + shared::kRayHit) / distance, 2.0) * height / distance;
     worst = std::max(worst, std::abs(pixels[n].sky - expected));
     squares += std::pow(pixels[n].sky - expected, 2.0);
     ++count;
@@ -53,8 +48,7 @@ TEST_F(Traced, RaysAreStoppedByThinSheets) {
   Setting setting;
   setting.right = 38.0;
   setting.estimator = named("traced");
-  const std::vector<Pixel> thin = shade(test::groundCube(sheet), groundOnly, setting),
-                           thick = shade(test::groundCube(block), groundOnly, setting);
+  const std::vector<Pixel> thin = shade(groundCube(sheet), groundOnly, setting), thick = shade(groundCube(block), groundOnly, setting);
   double byThin = 0.0, byThick = 0.0;
   for (std::size_t n = 0; n < thin.size(); ++n) {
     byThin += (1.0 - thin[n].sky) / static_cast<double>(thin.size());
@@ -74,10 +68,10 @@ TEST_F(Traced, RaysFindTheSkyBesideALowStep) {
     setting.left = 32.0;
     setting.right = kEdge;
     setting.estimator = named("traced");
-    const std::vector<Pixel> pixels = shade(test::groundCube(step), groundOnly, setting);
+    const std::vector<Pixel> pixels = shade(groundCube(step), groundOnly, setting);
     double squares = 0.0;
     for (std::size_t n = 0; n < pixels.size(); ++n) {
-      const double away = kEdge - test::column(n, setting).x;
+      const double away = kEdge - column(n, setting).x;
       squares += std::pow(pixels[n].sky - 0.5 * (1.0 + std::cos(std::atan(height / away))), 2.0);
     }
     EXPECT_LT(std::sqrt(squares / static_cast<double>(pixels.size())), error) << height;
@@ -92,11 +86,11 @@ TEST_F(Traced, ContactShadowsAreNotWashedOut) {
   const auto ground = [](double x, double) { return Surface{x < kEdge ? kGround : 0.0, {0.0f, 1.0f, 0.0f}}; };
   Setting setting;
   setting.estimator = named("traced");
-  const std::vector<Pixel> pixels = shade(test::groundCube(step), ground, setting);
+  const std::vector<Pixel> pixels = shade(groundCube(step), ground, setting);
   double squares = 0.0;
   int count = 0;
   for (std::size_t n = 0; n < pixels.size(); ++n) {
-    const double away = kEdge - test::column(n, setting).x;
+    const double away = kEdge - column(n, setting).x;
     if (away < 0.0 || away > 3.0) continue;
     squares += std::pow(pixels[n].sky - 0.5 * (1.0 + std::cos(std::atan(kHeight / away))), 2.0);
     ++count;
@@ -112,7 +106,7 @@ TEST_F(Traced, RaysDoNotStartBeyondWhatStandsOverTheGround) {
     setting.left = 8.0;
     setting.right = 56.0;
     setting.estimator = named("traced");
-    for (const Pixel& pixel : shade(test::groundCube(plate), groundOnly, setting)) ASSERT_LT(pixel.sky, 0.05f) << gap;
+    for (const Pixel& pixel : shade(groundCube(plate), groundOnly, setting)) ASSERT_LT(pixel.sky, 0.05f) << gap;
   }
 }
 
@@ -120,7 +114,7 @@ TEST_F(Traced, RaysStartAboveAFieldThatCoversTheMesh) {
   Setting setting;
   setting.estimator = named("traced");
   for (const double above : {0.3, 0.9, 1.5})
-    for (const Pixel& pixel : shade(test::groundCube([&](const glm::dvec3& p) { return p.y - kGround - above; }), groundOnly, setting))
+    for (const Pixel& pixel : shade(groundCube([&](const glm::dvec3& p) { return p.y - kGround - above; }), groundOnly, setting))
       ASSERT_NEAR(pixel.sky, 1.0f, 0.02f) << above;
 }
 
@@ -137,7 +131,7 @@ TEST_F(Traced, PixelsWithoutNeighboursTakeMoreRays) {
     const double angle = turn(random);
     return Surface{kGround + 1.5, glm::vec3(std::sin(tilt) * std::cos(angle), std::cos(tilt), std::sin(tilt) * std::sin(angle))};
   };
-  const std::vector<Pixel> pixels = shade(test::groundCube([](const glm::dvec3& p) { return p.y - kGround; }), turned, setting);
+  const std::vector<Pixel> pixels = shade(groundCube([](const glm::dvec3& p) { return p.y - kGround; }), turned, setting);
   double squares = 0.0;
   for (const Pixel& pixel : pixels) squares += std::pow(pixel.sky - 0.5 * (1.0 + std::cos(tilt)), 2.0);
   EXPECT_LT(std::sqrt(squares / static_cast<double>(pixels.size())), 0.03);
@@ -154,9 +148,9 @@ TEST_F(Traced, RaysFindNoWayOutOfAClosedRoom) {
   setting.right = 11.0;
   setting.estimator = named("traced");
   const auto floor = [](double x, double z) { return Surface{x > 4.0 && z > 4.0 ? kGround : 0.0, {0.0f, 1.0f, 0.0f}}; };
-  const std::vector<Pixel> pixels = shade(test::groundCube(room), floor, setting);
+  const std::vector<Pixel> pixels = shade(groundCube(room), floor, setting);
   for (std::size_t n = 0; n < pixels.size(); ++n) {
-    const glm::dvec2 at = test::column(n, setting);
+    const glm::dvec2 at = column(n, setting);
     if (at.x <= 4.0 || at.y <= 4.0) continue;
     EXPECT_EQ(pixels[n].sky, 0.0f) << at.x << " " << at.y;
   }
@@ -183,9 +177,9 @@ TEST(TracedFormulas, RaysPassThroughBallsAndNoFurther) {
 TEST_F(Traced, RaysLeaveOpenGroundOpen) {
   Setting setting;
   setting.estimator = named("traced");
-  for (const Pixel& pixel : shade(test::groundCube([](const glm::dvec3& p) { return p.y - kGround; }), groundOnly, setting))
+  for (const Pixel& pixel : shade(groundCube([](const glm::dvec3& p) { return p.y - kGround; }), groundOnly, setting))
     EXPECT_NEAR(pixel.sky, 1.0f, 0.005f);
 }
 
 }  // namespace
-}  // namespace overcast
+}  // namespace overcast::test
